@@ -213,37 +213,32 @@ def write_sources(interface: Interface, fmi: str, settings: model_tables.Setting
     import fmpy
 
     headers = Path(fmpy.__file__).with_name("c-code")
-    model, functions = _model_code(interface.equations)
+    model = _model_code(interface.equations)
     data = model_tables.fill(interface, settings)
     templates = {**core_files(), "fmi_shared.h": (_TEMPLATES / "fmi_shared.h").read_text()}
     wrapper = f"fmi{fmi[0]}.c"
-    content = hashlib.sha256("".join([fmi, *model.values(), data.source(), *templates.values()]).encode()).hexdigest()
-    data.fingerprint(f"{{{uuid.uuid5(_NAMESPACE, content)}}}")
+    content = hashlib.sha256("".join([fmi, *model.values(), data.source(""), *templates.values()]).encode()).hexdigest()
     return {
         wrapper: (_TEMPLATES / wrapper).read_text(),
         **templates,
         **model,
-        "model_data.c": data.source(),
-        "model_data.h": data.header(functions),
+        "model_data.c": data.source(f"{{{uuid.uuid5(_NAMESPACE, content)}}}"),
         **{name: (headers / name).read_text() for name in _HEADERS[fmi]},
     }
 
 
-def _model_code(equations: ModelEquations) -> tuple[dict[str, str], str]:
-    """Generated C of the equations, and their declarations."""
+def _model_code(equations: ModelEquations) -> dict[str, str]:
+    """Generated C of the equations."""
     files = c_files(equations.functions)
     if equations.by_sections is not None:
         files |= equations.by_sections.sources
     if isinstance(equations.inertial, InertialSolution):
         files |= equations.inertial.sources
-    declarations = "\n".join(
-        f"int {f.name()}(const double **arg, double **res, int *iw, double *w, int mem);" for f in equations.functions
-    )
-    return files, declarations
+    return files
 
 
 def _about(rest: Equilibrium, data: str, tolerance: float) -> model_description.About:
-    found = re.search(r'rw_fingerprint\[\d+\] = "([^"]+)"', data)
+    found = re.search(r'rw_fingerprint\[RW_FINGERPRINT\] = "([^"]+)"', data)
     name = rest.model.name
     return model_description.About(
         name=name,

@@ -13,13 +13,13 @@ from ropeway.systems.native.inertial_library import INTEGERS, KERNELS, NUMBERS
 from ropeway.systems.solvers.kernels.inertial_tables import tables_of
 
 _DISTANCES = {
-    "PAST": zones.PAST,
-    "NEAR": zones.NEAR,
-    "BEYOND": zones.BEYOND,
-    "EARLY": zones.EARLY,
-    "JOINED": slots.JOINED,
+    "past": zones.PAST,
+    "near": zones.NEAR,
+    "beyond": zones.BEYOND,
+    "early": zones.EARLY,
+    "joined": slots.JOINED,
 }
-"""How events of loads near supports are located, by their names in ropeway_zones.c."""
+"""How events of loads near supports are located, by their names in the sizes."""
 _ROOM = ("y", "value", "kernel", "dense", "pivot", "band", "room")
 """What a point of the core needs room for."""
 
@@ -39,14 +39,14 @@ class InertialSolution:
 
 def fill_inertial(tables: Tables, solution: InertialSolution | None, model: Model) -> None:
     """Writes the tables of a system with inertia, or empty ones."""
-    tables.size("INERTIAL", int(solution is not None))
+    tables.size("inertial", int(solution is not None))
     for name in _ROOM:
-        tables.size(f"CORE_{name.upper()}", max(1, 1 if solution is None else solution.tables.room[name]))
+        tables.size(f"core_{name}", 0 if solution is None else solution.tables.room[name])
     _core(tables, solution)
     _slots(tables, model)
-    tables.size("ZONE", 0.0 if model.inertia is None else model.inertia.zone)
+    tables.size("zone", 0.0 if model.inertia is None else model.inertia.zone)
     for name, distance in _DISTANCES.items():
-        tables.size(f"ZONE_{name}", distance)
+        tables.size(f"zone_{name}", distance)
 
 
 def _core(tables: Tables, solution: InertialSolution | None) -> None:
@@ -84,5 +84,5 @@ def _slots(tables: Tables, model: Model) -> None:
         tables.integers(f"slot_{name}", own)
     for name, own in parameters.items():
         tables.integers(name, own)
-    tables.size("SLOTS", int(most))
-    tables.size("NTH", 2 * count + 1)
+    tables.size("slots", int(most))
+    tables.size("nth", 2 * count + 1)

@@ -47,7 +47,7 @@ def fill(interface: Interface, settings: Settings) -> Tables:
         tables.numbers(f"{name}_nominal", table.nominals)
     tables.texts("equation_name", (*(f"rate of {n}" for n in m.x.names), *m.r.names))
     tables.texts("input_name", m.u.names)
-    tables.size("NF", len(equations.followed))
+    tables.size("nf", len(equations.followed))
     tables.integers("followed_input", equations.followed)
     tables.integers("followed_source", equations.followed.values())
     tables.integers("switch", equations.switches.values())
@@ -72,23 +72,21 @@ def _equations(tables: Tables, interface: Interface, tolerance: float) -> None:
     m = equations.model
     order, *room = equations.factors
     room_l, room_u = np.maximum(room, fill_line(tables, equations.by_sections, m)).tolist()
-    sizes = {"NX": len(m.x), "NZ": len(m.z), "NU": len(m.u), "NP": len(m.p), "ND": len(m.d), "NY": len(m.y)}
-    sizes |= {"NM": len(equations.masses), "NW": len(m.x) + len(m.z), "NNZ": equations.pattern.nnz()}
-    sizes |= {"NK": len(interface.supports), "NL": len(m.limits.output), "NSW": len(equations.switches)}
-    sizes |= {"LCAP": room_l, "UCAP": room_u, "COUPLED": int(equations.coupled)}
+    sizes = {"nx": len(m.x), "nz": len(m.z), "nu": len(m.u), "np": len(m.p), "nd": len(m.d), "ny": len(m.y)}
+    sizes |= {"nm": len(equations.masses), "nw": len(m.x) + len(m.z), "nnz": equations.pattern.nnz()}
+    sizes |= {"nk": len(interface.supports), "nl": len(m.limits.output), "nsw": len(equations.switches)}
+    sizes |= {"lcap": room_l, "ucap": room_u, "coupled": int(equations.coupled)}
     for part in ("arg", "res", "iw", "w"):
-        sizes[f"SZ_{part.upper()}"] = max(1, *(getattr(f, f"sz_{part}")() for f in equations.functions))
+        sizes[f"sz_{part}"] = max(1, *(getattr(f, f"sz_{part}")() for f in equations.functions))
     for name, size in sizes.items():
         tables.size(name, size)
     force = float(m.z.nominals.max()) if len(m.z) else 1.0
-    tables.size("TOLERANCE", float(tolerance))
-    tables.size("FORCE_SCALE", force)
-    tables.size("FORCE_NEAR", 1e-7 * force)
-    tables.integers("colind", equations.pattern.colind())
-    tables.integers("row", equations.pattern.row())
-    tables.integers("column_order", order)
+    tables.size("tolerance", float(tolerance))
+    tables.size("force_scale", force)
+    tables.size("force_near", 1e-7 * force)
+    tables.pattern("whole", equations.pattern, order)
     tables.functions("jacobian_of", [] if equations.jacobian is None else ["rw_jacobian"])
-    tables.size("GROUPS", 1 + max(equations.groups, default=-1))
+    tables.size("groups", 1 + max(equations.groups, default=-1))
     tables.integers("group", equations.groups)
 
 
@@ -111,8 +109,8 @@ def _names(interface: Interface) -> list[str]:
 
 
 def _stops(tables: Tables, commanded: Mapping[int, int], settings: Settings) -> None:
-    tables.size("NE", len(commanded))
-    tables.size("STOP_DECELERATION", settings.emergency_stop or 1.0)
+    tables.size("ne", len(commanded))
+    tables.size("stop_deceleration", settings.emergency_stop or 1.0)
     tables.integers("stop_input", commanded)
     tables.integers("stop_correction", commanded.values())
 
@@ -120,7 +118,7 @@ def _stops(tables: Tables, commanded: Mapping[int, int], settings: Settings) -> 
 def _schedules(tables: Tables, interface: Interface) -> None:
     names = interface.equations.model.u.names
     inside = {i: s for i, s in interface.equations.schedules.items() if names[i] not in interface.inputs}
-    tables.size("NS", len(inside))
+    tables.size("ns", len(inside))
     tables.integers("schedule_input", inside)
     tables.integers("schedule_first", np.concatenate([[0], np.cumsum([len(s.times) for s in inside.values()])]))
     tables.numbers("schedule_time", [t for s in inside.values() for t in s.times])
@@ -140,7 +138,7 @@ def _runs(tables: Tables, interface: Interface) -> None:
     spans |= {"slot_ride": [], "slot_empty": [], "slot_drag": [], "force": []}
     held: dict[str, list[int]] = {"held": [], "held_travel": [], "law": []}
     laws = balances_of(m)
-    reads: dict[str, list[int]] = {"vertical_b": [], "pull_b": [], "tension_in": [], "tension_out": []}
+    reads: dict[str, list[int]] = {"vertical_b": [], "pull_b": []}
     y = m.y.index
     for run, layout in zip(state.runs, m.layouts, strict=True):
         slots = layout.slots
@@ -161,8 +159,6 @@ def _runs(tables: Tables, interface: Interface) -> None:
         held["law"] += [laws.get(int(c), -1) for c in layout.travel.algebraic]
         reads["vertical_b"] += [*(y.get(f"{span.name}.vertical_b", -1) for span in run.spans), -1]
         reads["pull_b"] += [*(y.get(f"{span.name}.pull_b_x[1]", -1) for span in run.spans), -1]
-        for name in ("tension_in", "tension_out"):
-            reads[name] += [y.get(f"{node.name}.{name}", -1) for node in run.nodes]
     for name, cells in {**spans, **held, **reads}.items():
         tables.integers(name, cells)
     _loads(tables, state, equations.mass_names)
@@ -201,8 +197,8 @@ def _limits(tables: Tables, m: Model, interface: Interface) -> None:
 
 
 def _clocks(tables: Tables, m: Model, pending: Pending) -> None:
-    tables.size("NC", len(m.clocks))
-    tables.size("NQ", max((len(clock.entries) for clock in m.clocks), default=0))
+    tables.size("nc", len(m.clocks))
+    tables.size("nq", max((len(clock.entries) for clock in m.clocks), default=0))
     tables.numbers("clock_period", [clock.period for clock in m.clocks])
     tables.numbers("clock_phase", [pending.next_tick(clock) for clock in m.clocks])
     tables.integers("clock_first", _offsets([len(clock.entries) for clock in m.clocks]))
@@ -213,10 +209,10 @@ def _clocks(tables: Tables, m: Model, pending: Pending) -> None:
 
 def _places(tables: Tables, corridor: Corridor | None) -> None:
     passages = [] if corridor is None else corridor.passages
-    tables.size("NPL", len(passages))
-    tables.size("NB", max(0, len(passages) - 1))
-    tables.size("NG", 0 if corridor is None else corridor.count)
-    tables.size("MEAN_SPAN", 0.0 if corridor is None else corridor.mean_span)
+    tables.size("npl", len(passages))
+    tables.size("nb", max(0, len(passages) - 1))
+    tables.size("ng", 0 if corridor is None else corridor.count)
+    tables.size("mean_span", 0.0 if corridor is None else corridor.mean_span)
     rows = [passage for of in passages for passage in of]
     tables.integers("passage_first", _offsets([len(of) for of in passages]))
     tables.integers("passage_to", [passage.to for passage in rows])

@@ -121,14 +121,13 @@ def fill_line(tables: Tables, solution: SectionSolution | None, model: Model) ->
             for state in states:
                 of_states[state].append(s)
     order, lower, upper = room_of(pattern)
-    tables.size("SECTIONS", int(solution is not None))
-    tables.size("NSEC", 0 if solution is None else solution.sizes["sections"])
-    tables.size("NCP", 0 if coupling is None else coupling.nnz())
-    tables.size("DNNZ", 0 if pattern is None else pattern.nnz())
-    for name, own, size in (("coupling", coupling, nx + nz), ("drive", pattern, nx)):
-        tables.integers(f"{name}_colind", np.zeros(size + 1) if own is None else own.colind())
-        tables.integers(f"{name}_row", [] if own is None else own.row())
-    tables.integers("drive_order", order)
+    tables.size("sections", int(solution is not None))
+    tables.size("nsec", 0 if solution is None else solution.sizes["sections"])
+    tables.size("ncp", 0 if coupling is None else coupling.nnz())
+    tables.size("dnnz", 0 if pattern is None else pattern.nnz())
+    tables.integers("coupling_colind", np.zeros(nx + nz + 1) if coupling is None else coupling.colind())
+    tables.integers("coupling_row", [] if coupling is None else coupling.row())
+    tables.pattern("drives", ca.Sparsity(nx, nx) if pattern is None else pattern, order)
     tables.integers("state_section_first", np.concatenate([[0], np.cumsum([len(s) for s in of_states])]))
     tables.integers("state_section", [s for sections in of_states for s in sections])
     _functions(tables, solution)
@@ -152,13 +151,11 @@ def _functions(tables: Tables, solution: SectionSolution | None) -> None:
 
 
 def _line(tables: Tables, solution: SectionSolution | None) -> None:
-    """rs_line, and the room that its solution takes."""
+    """rs_line."""
     if solution is None:
-        tables.size("LINE_WORK", 1)
         tables.structure("rs_line", "line", {"spans": "0"})
         return
     sizes, sections = solution.sizes, solution.sections
-    tables.size("LINE_WORK", "RS_WORK_SIZE({spans}, {supports}, {nz}, {slots})".format_map(sizes))
     fields = {name: str(size) for name, size in sizes.items()}
     for name in LINE_INTEGERS:
         tables.integers(f"line_{name}", solution.numbers[name])

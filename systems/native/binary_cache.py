@@ -201,7 +201,10 @@ def _compiler_mark() -> str:
 def version_of(command: tuple[str, ...]) -> tuple[str, ...]:
     """A compiler's command, flags and version. Raises CompilerError."""
     try:
-        said = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False, timeout=60.0)
+        with tempfile.TemporaryDirectory(prefix="ropeway-") as folder:  # some leave a file where they run
+            said = subprocess.run(
+                [*command, "--version"], cwd=folder, capture_output=True, text=True, check=False, timeout=60.0
+            )
     except (OSError, subprocess.TimeoutExpired) as error:
         raise CompilerError(
             f"The compiler cannot be started: {error}", "Correct the environment variable CC, or unset it"

@@ -7,6 +7,7 @@ INSIDE = ("sections.c", "inertial_system.c", "inertial_steps.c")
 SOURCES = (
     "ropeway_sparse.c",
     "ropeway_log.c",
+    "ropeway_memory.c",
     "ropeway_slots.c",
     "ropeway_functions.c",
     "ropeway_lines.c",
@@ -23,7 +24,7 @@ SOURCES = (
     "ropeway_instance.c",
 )
 """Compiled besides the generated equations and tables; each calls only those before it."""
-_HEADERS = ("sections.h", "inertial.h", "ropeway.h")
+_HEADERS = ("sections.h", "inertial.h", "model_data.h", "ropeway.h")
 _FOLDER = Path(__file__).parent
 
 

@@ -1,8 +1,7 @@
 /* A cable system: solution of its equations, loads that move from span to span, time integration.
  *
- * The sizes RW_N... and all tables come from model_data.h and model_data.c, the equations rw_dae, rw_jacobian,
- * rw_outputs and rw_tangent from files of these names; all are generated. fmi2.c and fmi3.c
- * are the FMI wrappers. */
+ * The sizes RW_N... and all tables are in model_data.c, the equations rw_dae, rw_outputs and rw_tangent in files of these
+ * names; these are generated. fmi2.c and fmi3.c are the FMI wrappers. */
 #ifndef ROPEWAY_H
 #define ROPEWAY_H
 
@@ -19,91 +18,51 @@ typedef enum { RW_INSTANTIATED, RW_INITIALIZATION, RW_EVENT, RW_CONTINUOUS, RW_S
 /* Variables that change within a step. */
 typedef struct {
     double t;
-    double x[RW_NX + 1], z[RW_NZ + 1];
+    double *x, *z;
 } rw_point;
-
-/* A square sparse matrix by columns, and the order in which they are eliminated. */
-typedef struct {
-    int n;
-    const int *colind, *row, *order;
-} rw_pattern;
 
 /* The factors of the scaled matrix [I - hg df/dx, -hg df/dz; dg/dx, dg/dz]. */
 typedef struct {
     double hg;
     int valid, exact; /* exact: evaluated at the present point */
-    int lp[RW_NW + 1], up[RW_NW + 1], pinv[RW_NW + 1];
-    int li[RW_LCAP], ui[RW_UCAP];
-    double lx[RW_LCAP], ux[RW_UCAP];
-    double jac[RW_NNZ + 1]; /* derivatives of f and g by x and z */
+    int *lp, *up, *pinv, *li, *ui;
+    double *lx, *ux;
+    double *jac; /* derivatives of f and g by x and z */
 } rw_factors;
 
 /* Trial states beyond the next crossing (Model Exchange): times after the held point at which it is reached, and at which
- * the equations had no solution; rates there; the solution kept for later states, and its time. */
+ * the equations had no solution; time of the solution kept for later states, and this; rates at the held point. */
 typedef struct {
-    double near, unsolved, zrate[RW_NZ + 1], z[RW_NZ + 1], t;
+    double near, unsolved, t;
     int kept, beyond, stale; /* stale: inputs have changed since the held point */
+    double *zrate, *z;
 } rw_ahead;
 
-/* The complete state of an instance: it is saved by a copy. */
+/* The complete state of an instance. Its arrays are in `memory`, one after the other (see ropeway_memory.c). */
 typedef struct {
     rw_mode mode;
-    int known, solved, rated, shown;   /* parameters applied, z solved, its rates and outputs computed */
-    int passed[RW_NK + 1];             /* loads that have passed each support */
-    int broken[RW_NL + 1];             /* violated limits */
-    int ticks[RW_NC + 1];              /* of each clock */
+    int known, solved, rated, shown; /* parameters applied, z solved, its rates and outputs computed */
     int beyond_schedule;
-    int on[RW_NSW + 1];                /* switches: brakes, losses of pressure */
-    double h;                          /* next step of the error control */
-    rw_point now, held;                /* held: last accepted point of a carriage, or in Model Exchange */
-    int place;                         /* place of the carriage at the held point */
-    double slope[RW_NU + 1], slope_from; /* rates of inputs within the next step of Co-Simulation, from a time on */
+    int place;                       /* place of the carriage at the held point */
+    int stopping;                    /* emergency stop: the commanded speeds are ramped down to zero */
+    double stop_time;
+    double h;          /* next step of the error control */
+    double slope_from; /* time from which `slope` counts */
+    rw_point now, held; /* held: last accepted point of a carriage, or in Model Exchange */
     rw_ahead ahead;
-    int stopping;                      /* emergency stop: the commanded speeds are ramped down to zero */
-    double stop_time, stop_speed[RW_NE + 1];
-    double u[RW_NU + 1], p[RW_NP + 1], d[RW_ND + 1], mass[RW_NM + 1];
-    double rate[RW_NX + 1], zrate[RW_NZ + 1], y[RW_NY + 1];
     rw_factors lu; /* the last: the compiled core uses it within a call only */
+    int *passed;   /* loads that have passed each support */
+    int *broken;   /* violated limits */
+    int *ticks;    /* of each clock */
+    int *on;       /* switches: brakes, losses of pressure */
+    double *slope; /* rates of inputs within the next step of Co-Simulation */
+    double *stop_speed;
+    double *u, *p, *d, *mass;
+    double *rate, *zrate, *y;
+    unsigned char *memory;
 } rw_state;
 
-#define RW_STATE_SIZE (RW_SECTIONS || RW_INERTIAL ? offsetof(rw_state, lu) : sizeof(rw_state)) /* of what is saved */
-
 typedef void (*rw_log_function)(void *context, rw_status status, const char *category, const char *message);
-
-typedef struct {
-    rw_state s;
-    rw_log_function log;
-    void *context;
-    int log_events, log_all;
-    int co_simulation;
-    double start_time, stop_time, tolerance;
-    int has_event_mode, stops_at_events; /* Co-Simulation of FMI 3.0: a step may end at an event, for the importer to handle */
-    int event;                           /* the last step has an event at its end or, if it does not stop there, in it */
-    /* workspace within a call */
-    double f[RW_NX + 1], g[RW_NZ + 1];
-    double residual[RW_NW + 1], increment[RW_NW + 1], w[RW_NW + 1], work[RW_NW + 1];
-    double dx[RW_NX + 1], dz[RW_NZ + 1], du[RW_NU + 1], dp[RW_NP + 1], dd[RW_ND + 1], dm[RW_NM + 1], dt, df[RW_NX + 1], dg[RW_NZ + 1], dy[RW_NY + 1];
-    rw_state backup;
-    double sample[RW_NQ + 1], fresh[RW_ND + 1];
-    unsigned char changes[RW_ND + 1];
-    double margin[RW_NG + 1];
-    double limit[RW_NL + 1];
-    double none[RW_NU + RW_NP + RW_ND + 1]; /* zeros */
-    double line_work[RW_LINE_WORK], rope[RW_NK + 1], us_rate[RW_NU + 1];
-    long long used[RW_NK + 1]; /* of each span: loads in it */
-    rw_factors drives;         /* of the drives of a line */
-    double coupling[RW_NCP + 1];
-    double us[RW_NU + 1], stage[4][RW_NX + 1], base[RW_NX + 1];
-    ri_point core; /* of a system with inertia, and its room */
-    double core_y[RW_CORE_Y], core_value[RW_CORE_VALUE], core_kernel[RW_CORE_KERNEL], core_dense[RW_CORE_DENSE];
-    double core_band[RW_CORE_BAND], core_room[RW_CORE_ROOM];
-    int core_pivot[RW_CORE_PIVOT];
-    int mark[RW_NW + 1], stack[RW_NW + 1], place[RW_NW + 1], order[RW_NW + 1];
-    const double *arg[RW_SZ_ARG];
-    double *res[RW_SZ_RES];
-    int iw[RW_SZ_IW];
-    double cw[RW_SZ_W];
-} rw_instance;
 
 /* A load that reaches support k; time [s] and gap [m] of travel until then, negative when overdue. */
 typedef struct {
@@ -118,18 +77,77 @@ typedef struct {
     double side, gap, early;
 } rw_threshold;
 
-extern const rw_pattern rw_whole, rw_drives; /* the whole line, and its drives alone */
+/* What a slot with a load has in a span of a run with inertia. */
+typedef struct {
+    int load;
+    double x[6], z[6], tied[2], joined, lost;
+} rw_moving_slot;
+
+typedef struct {
+    rw_state s;
+    size_t state_memory; /* bytes in s.memory */
+    rw_log_function log;
+    void *context;
+    int log_events, log_all;
+    int co_simulation;
+    double start_time, stop_time, tolerance;
+    int has_event_mode, stops_at_events; /* Co-Simulation of FMI 3.0: a step may end at an event, for the importer to handle */
+    int event;                           /* the last step has an event at its end or, if it does not stop there, in it */
+    /* workspace within a call */
+    double *f, *g, *residual, *increment, *w, *first, *work, *values;
+    double *dx, *dz, *du, *dp, *dd, *dm, dt, *df, *dg, *dy;
+    unsigned char *backup; /* a saved state */
+    double *sample, *fresh, *margin, *margin_before, *no_margin, *limit, *indicator, *input_rate, *input_begin, *input_end;
+    unsigned char *changes, *just, *forward, *backward;
+    double *none; /* zeros */
+    double *line_work, *rope, *us_rate;
+    long long *used;   /* of each span: loads in it */
+    rw_factors drives; /* of the drives of a line */
+    double *coupling, *us, *stage[4], *base;
+    int *mark, *stack, *place, *order, *row_of;
+    rw_crossing *due;
+    double *goal_p, *goal_mass, *goal_x;        /* values that a start leads to */
+    rw_point from, path_from, path_to, trial;   /* copies of points */
+    double *good_z, *before_z, *before_zrate;   /* copies of algebraic variables and their rates */
+    int *passed_before, *broken_before;
+    /* of a system with inertia */
+    ri_point core;
+    rw_threshold *thresholds, *zones_due;
+    rw_moving_slot *known; /* four spans */
+    double *y_here, *y_later, *y_earlier, *watch_low, *watch_high, *input_reached;
+    int *watched, *watch_of;
+    const double **arg;
+    double **res;
+    int *iw;
+    double *cw;
+    /* of a step along the drives of a line */
+    rw_point course_from, course_to;
+    double *course_rate, *course_end_rate, *since;
+    int *sections;
+    double *start_x, *start_z, *start_d, *start_rate, *start_zrate;
+    int *start_passed;
+    unsigned char *memory; /* all of this */
+} rw_instance;
 
 /* ropeway_sparse.c */
 int rw_factor(rw_instance *m, const rw_pattern *a, rw_factors *lu, const double *values);
-void rw_back(const rw_pattern *a, const rw_factors *lu, double *b, double *work);
+void rw_back(const rw_pattern *a, const rw_factors *lu, double *b, double *work, int *row_of);
 
 /* ropeway_log.c */
 void rw_message(rw_instance *m, rw_status status, const char *category, const char *format, ...);
 
+/* ropeway_memory.c */
+int rw_take_memory(rw_instance *m);
+void rw_leave_memory(rw_instance *m);
+size_t rw_saved_size(const rw_instance *m);
+void rw_save(rw_instance *m, unsigned char *bytes);
+void rw_restore(rw_instance *m, const unsigned char *bytes);
+void rw_clear(rw_instance *m);
+void rw_copy_point(rw_point *to, const rw_point *from);
+
 /* ropeway_slots.c */
 void rw_place_loads(rw_instance *m);
-void rw_take_state(rw_instance *m, const rw_state *state);
+void rw_take_state(rw_instance *m, const unsigned char *state);
 double rw_load_position(const rw_instance *m, int run, int i);
 double rw_load_mass(const rw_instance *m, int run, int i);
 double rw_drag_area(int run, int i);
@@ -233,7 +251,6 @@ rw_status rw_event_update(rw_instance *m);
 /* ropeway_instance.c */
 void rw_reset(rw_instance *m);
 void rw_experiment(rw_instance *m, int tolerance_defined, double tolerance, int stop_defined, double stop);
-rw_instance *rw_new(rw_log_function log, void *context, int co_simulation);
 rw_status rw_initialize(rw_instance *m);
 rw_status rw_up_to_date(rw_instance *m);
 rw_status rw_set_time(rw_instance *m, double t);
@@ -247,8 +264,8 @@ rw_status rw_get_integer(rw_instance *m, unsigned vr, int *value);
 void rw_clear_seeds(rw_instance *m);
 rw_status rw_seed(rw_instance *m, unsigned vr, double seed);
 rw_status rw_sensitivity(rw_instance *m, unsigned vr, double *value);
-size_t rw_serialized_size(void);
-rw_status rw_serialize(rw_instance *m, const rw_state *state, unsigned char *bytes, size_t size);
-rw_status rw_deserialize(rw_instance *m, const unsigned char *bytes, size_t size, rw_state **state);
+size_t rw_serialized_size(const rw_instance *m);
+rw_status rw_serialize(rw_instance *m, const unsigned char *state, unsigned char *bytes, size_t size);
+rw_status rw_deserialize(rw_instance *m, const unsigned char *bytes, size_t size, unsigned char **state);
 
 #endif

@@ -17,8 +17,8 @@ rw_status rw_accept_point(rw_instance *m)
     if (RW_NPL || RW_NK == 0) return RW_OK;
     status = rw_rates(m);
     if (status != RW_OK) return status;
-    m->s.held = m->s.now;
-    memcpy(a->zrate, m->s.zrate, sizeof a->zrate);
+    rw_copy_point(&m->s.held, &m->s.now);
+    memcpy(a->zrate, m->s.zrate, RW_NZ * sizeof(double));
     a->near = a->unsolved = INFINITY;
     if (rw_next_crossing(m, &coming)) a->near = fmax(coming.time, 0.0);
     a->kept = a->stale = 0;
@@ -29,7 +29,7 @@ rw_status rw_accept_point(rw_instance *m)
 void rw_leave_trial(rw_instance *m)
 {
     if (!m->s.ahead.beyond) return;
-    memcpy(m->s.now.z, m->s.held.z, sizeof m->s.held.z);
+    memcpy(m->s.now.z, m->s.held.z, RW_NZ * sizeof(double));
     m->s.solved = m->s.rated = m->s.shown = m->s.lu.valid = m->s.ahead.beyond = 0;
 }
 
@@ -49,7 +49,7 @@ static rw_status keep(rw_instance *m, const rw_point *to, double share)
         if (status == RW_OK) status = rw_show(m);
     }
     if (status != RW_OK) return status;
-    memcpy(m->s.ahead.z, q->z, sizeof q->z);
+    memcpy(m->s.ahead.z, q->z, RW_NZ * sizeof(double));
     m->s.ahead.t = q->t;
     m->s.ahead.kept = 1;
     return RW_OK;
@@ -63,8 +63,8 @@ static rw_status beyond(rw_instance *m, const rw_point *to)
     double ahead = to->t - m->s.held.t;
     rw_status status = a->kept ? RW_OK : keep(m, to, ahead > a->near ? a->near / ahead : 0.5);
     if (status != RW_OK) return status;
-    *q = *to;
-    memcpy(q->z, a->z, sizeof q->z);
+    rw_copy_point(q, to);
+    memcpy(q->z, a->z, RW_NZ * sizeof(double));
     for (int k = 0; k < RW_NK; k++)
         if (rw_travel[k] >= RW_NX) q->z[rw_travel[k] - RW_NX] = a->z[rw_travel[k] - RW_NX] + (to->t - a->t) * a->zrate[rw_travel[k] - RW_NX];
     rw_inputs_at(m, q->t, m->us);
@@ -78,24 +78,25 @@ static rw_status beyond(rw_instance *m, const rw_point *to)
 rw_status rw_look_ahead(rw_instance *m)
 {
     rw_ahead *a = &m->s.ahead;
-    const rw_point to = m->s.now;
+    const rw_point *to = &m->trial;
     rw_log_function log = m->log;
     rw_status status = RW_DISCARD;
     if (m->s.mode != RW_CONTINUOUS || RW_NPL || RW_NK == 0 || m->s.solved) return RW_OK;
-    if (a->beyond) memcpy(m->s.now.z, m->s.held.z, sizeof to.z);
+    rw_copy_point(&m->trial, &m->s.now);
+    if (a->beyond) memcpy(m->s.now.z, m->s.held.z, RW_NZ * sizeof(double));
     a->beyond = 0;
     m->log = NULL; /* failures are repeated */
-    if (to.t - m->s.held.t < a->unsolved) {
+    if (to->t - m->s.held.t < a->unsolved) {
         status = rw_solve_here(m);
-        if (status != RW_OK && to.t - m->s.held.t > a->near) a->unsolved = to.t - m->s.held.t;
+        if (status != RW_OK && to->t - m->s.held.t > a->near) a->unsolved = to->t - m->s.held.t;
     }
-    if (status == RW_OK && a->stale && to.t == m->s.held.t) status = rw_accept_point(m); /* inputs have changed */
-    if (status != RW_OK) status = beyond(m, &to);
+    if (status == RW_OK && a->stale && to->t == m->s.held.t) status = rw_accept_point(m); /* inputs have changed */
+    if (status != RW_OK) status = beyond(m, to);
     m->log = log;
     if (status == RW_OK) return RW_OK;
-    m->s.now = to;
-    memcpy(m->s.now.z, m->s.held.z, sizeof to.z);
+    rw_copy_point(&m->s.now, to);
+    memcpy(m->s.now.z, m->s.held.z, RW_NZ * sizeof(double));
     m->s.solved = m->s.rated = m->s.shown = m->s.lu.valid = 0;
-    rw_message(m, RW_DISCARD, "logStatusDiscard", "The line has no solution at the trial state at t = %.9g s", to.t);
+    rw_message(m, RW_DISCARD, "logStatusDiscard", "The line has no solution at the trial state at t = %.9g s", to->t);
     return RW_DISCARD;
 }

@@ -50,7 +50,7 @@ static rw_status exact(rw_instance *m)
     if (m->s.lu.valid && m->s.lu.exact && m->s.lu.hg == 0.0) return RW_OK;
     rw_inputs_at(m, m->s.now.t, m->us);
     if (rw_matrix(m, m->s.now.t, m->s.now.x, m->s.now.z, m->us) || rw_factor_matrix(m, 0.0)) {
-        memset(m->residual, 0, sizeof m->residual);
+        memset(m->residual, 0, RW_NW * sizeof(double));
         return rw_fail(m, "The equations are singular", m->s.now.t);
     }
     m->s.lu.exact = 1;
@@ -70,11 +70,11 @@ rw_status rw_rates(rw_instance *m)
         status = exact(m);
         if (status != RW_OK) return status;
     }
-    memset(m->increment, 0, sizeof m->increment);
+    memset(m->increment, 0, RW_NW * sizeof(double));
     for (int j = 0; j < RW_NX; j++)
-        for (int p = rw_colind[j]; p < rw_colind[j + 1]; p++)
-            if (rw_row[p] >= RW_NX) m->increment[rw_row[p]] -= m->s.lu.jac[p] * m->s.rate[j] / rw_r_nominal[rw_row[p] - RW_NX];
-    rw_back(&rw_whole, &m->s.lu, m->increment, m->work);
+        for (int p = rw_whole.colind[j]; p < rw_whole.colind[j + 1]; p++)
+            if (rw_whole.row[p] >= RW_NX) m->increment[rw_whole.row[p]] -= m->s.lu.jac[p] * m->s.rate[j] / rw_r_nominal[rw_whole.row[p] - RW_NX];
+    rw_back(&rw_whole, &m->s.lu, m->increment, m->work, m->row_of);
     for (int i = 0; i < RW_NZ; i++) m->s.zrate[i] = m->increment[RW_NX + i] * rw_z_nominal[i];
     m->s.rated = 1;
     return RW_OK;
@@ -85,7 +85,7 @@ rw_status rw_tangent_of(rw_instance *m)
 {
     rw_status status = exact(m);
     if (status != RW_OK) return status;
-    memset(m->dz, 0, sizeof m->dz);
+    memset(m->dz, 0, RW_NZ * sizeof(double));
     rw_slot_seeds(m);
     for (int pass = 0; pass < 2; pass++) {
         rw_inputs_at(m, m->s.now.t, m->us);
@@ -101,9 +101,9 @@ rw_status rw_tangent_of(rw_instance *m)
         m->res[2] = m->dy;
         if (rw_tangent(m->arg, m->res, m->iw, m->cw, 0)) return RW_DISCARD;
         if (pass == 0) {
-            memset(m->increment, 0, sizeof m->increment);
+            memset(m->increment, 0, RW_NW * sizeof(double));
             for (int i = 0; i < RW_NZ; i++) m->increment[RW_NX + i] = -m->dg[i] / rw_r_nominal[i];
-            rw_back(&rw_whole, &m->s.lu, m->increment, m->work);
+            rw_back(&rw_whole, &m->s.lu, m->increment, m->work, m->row_of);
             for (int i = 0; i < RW_NZ; i++) m->dz[i] = m->increment[RW_NX + i] * rw_z_nominal[i];
         }
     }

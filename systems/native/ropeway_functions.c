@@ -50,8 +50,8 @@ void rw_inputs_at(rw_instance *m, double t, double *u)
         u[rw_stop_input[i]] = t >= end ? 0.0 : speed - copysign(RW_STOP_DECELERATION * passed, speed);
     }
     if (RW_NF) {
-        double rate[RW_NU + 1];
-        memcpy(rate, m->s.slope, sizeof rate);
+        double *rate = m->input_rate;
+        memcpy(rate, m->s.slope, RW_NU * sizeof(double));
         rw_input_rates(m, t, 1.0, rate);
         for (int i = 0; i < RW_NF; i++) u[rw_followed_input[i]] = rate[rw_followed_source[i]];
     }

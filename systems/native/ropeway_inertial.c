@@ -11,8 +11,6 @@ ri_point *rw_core_point(rw_instance *m)
     rw_input_rates(m, m->s.now.t, 1.0, m->us_rate);
     q->x = m->s.now.x, q->z = m->s.now.z, q->u = m->us, q->p = m->s.p, q->d = m->s.d;
     q->x_rate = m->s.rate, q->z_rate = m->s.zrate, q->u_rate = m->us_rate;
-    q->y = m->core_y, q->value = m->core_value, q->kernel = m->core_kernel, q->dense = m->core_dense;
-    q->pivot = m->core_pivot, q->band = m->core_band, q->room = m->core_room;
     q->step = -1.0; /* nothing depends on calls before */
     return q;
 }
@@ -29,7 +27,7 @@ int rw_core_solved(rw_instance *m, int failed)
 /* Solves the algebraic variables, and finds all rates; after a failure they are unchanged, and 0 is returned. */
 int rw_core_solve(rw_instance *m)
 {
-    double before[RW_NZ + 1];
+    double *before = m->before_z;
     memcpy(before, m->s.now.z, RW_NZ * sizeof(double));
     if (rw_core_solved(m, ri_solve(&rw_core, rw_core_point(m)))) return 1;
     memcpy(m->s.now.z, before, RW_NZ * sizeof(double));

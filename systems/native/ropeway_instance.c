@@ -1,4 +1,4 @@
-/* An instance: creation, variables, initialisation, saved states. Value references are consecutive: time, states, rates,
+/* An instance: variables, initialisation, saved states. Value references are consecutive: time, states, rates,
  * algebraic variables, inputs, parameters, masses, outputs, event indicators, limits (Boolean), loads passed
  * (integer), switches and the emergency stop (Boolean inputs). */
 #include <math.h>
@@ -6,21 +6,19 @@
 #include <string.h>
 #include "ropeway.h"
 
-enum {
-    X = 1,
-    DX = X + RW_NX,
-    Z = DX + RW_NX,
-    U = Z + RW_NZ,
-    P = U + RW_NU,
-    MASS = P + RW_NP,
-    Y = MASS + RW_NM,
-    EI = Y + RW_NY,
-    LIMIT = EI + RW_NK + RW_NL + RW_NB,
-    PASSED = LIMIT + RW_NL,
-    SWITCH = PASSED + RW_NK,
-    STOP = SWITCH + RW_NSW,
-    END = STOP + (RW_NE > 0)
-};
+#define X 1u
+#define DX (X + RW_NX)
+#define Z (DX + RW_NX)
+#define U (Z + RW_NZ)
+#define P (U + RW_NU)
+#define MASS (P + RW_NP)
+#define Y (MASS + RW_NM)
+#define EI (Y + RW_NY)
+#define LIMIT (EI + RW_NK + RW_NL + RW_NB)
+#define PASSED (LIMIT + RW_NL)
+#define SWITCH (PASSED + RW_NK)
+#define STOP (SWITCH + RW_NSW)
+#define END (STOP + (RW_NE > 0))
 
 enum { HIDDEN, READ, PARAMETER, INPUT, STATE };
 
@@ -41,7 +39,7 @@ void rw_reset(rw_instance *m)
 {
     rw_state *s = &m->s;
     rw_experiment(m, 0, 0.0, 0, 0.0);
-    memset(s, 0, sizeof *s);
+    rw_clear(m);
     s->mode = RW_INSTANTIATED;
     s->now.t = m->start_time;
     memcpy(s->now.x, rw_x_start, RW_NX * sizeof(double));
@@ -57,23 +55,12 @@ void rw_reset(rw_instance *m)
     rw_start_place(m);
 }
 
-rw_instance *rw_new(rw_log_function log, void *context, int co_simulation)
-{
-    rw_instance *m = calloc(1, sizeof *m);
-    if (!m) return NULL;
-    m->log = log;
-    m->context = context;
-    m->co_simulation = co_simulation;
-    rw_reset(m);
-    return m;
-}
-
 /* Solves the line for parameters, masses or states other than those of the equilibrium at export: in one step, or by
  * continuation from the equilibrium. Loads are then moved into the spans that the rope has carried them to. */
 static rw_status apply_start_values(rw_instance *m)
 {
     rw_state *s = &m->s;
-    double p[RW_NP + 1], mass[RW_NM + 1], x[RW_NX + 1], done = 0.0, share = 1.0;
+    double *p = m->goal_p, *mass = m->goal_mass, *x = m->goal_x, *before = m->good_z, done = 0.0, share = 1.0;
     rw_status status;
     if (s->known) return RW_OK;
     memcpy(s->passed, rw_passed_start, RW_NK * sizeof(int));
@@ -81,16 +68,16 @@ static rw_status apply_start_values(rw_instance *m)
     for (int i = 0; i < RW_NSW; i++) s->d[rw_switch[i]] = s->on[i];
     memcpy(s->now.z, rw_z_start, RW_NZ * sizeof(double));
     rw_start_place(m);
-    memcpy(p, s->p, sizeof p);
-    memcpy(mass, s->mass, sizeof mass);
-    memcpy(x, s->now.x, sizeof x);
+    memcpy(p, s->p, RW_NP * sizeof(double));
+    memcpy(mass, s->mass, RW_NM * sizeof(double));
+    memcpy(x, s->now.x, RW_NX * sizeof(double));
     s->lu.valid = 0;
     while (done < 1.0) {
         double to = fmin(done + share, 1.0);
-        rw_point from = s->now;
         for (int i = 0; i < RW_NP; i++) s->p[i] = to == 1.0 ? p[i] : rw_p_start[i] + to * (p[i] - rw_p_start[i]);
         for (int i = 0; i < RW_NM; i++) s->mass[i] = to == 1.0 ? mass[i] : rw_mass_start[i] + to * (mass[i] - rw_mass_start[i]);
         for (int i = 0; i < RW_NX; i++) s->now.x[i] = to == 1.0 ? x[i] : rw_x_start[i] + to * (x[i] - rw_x_start[i]);
+        memcpy(before, s->now.z, RW_NZ * sizeof(double));
         rw_write_slots(m);
         status = rw_overrun_settle(m);
         if (status == RW_OK) {
@@ -98,11 +85,11 @@ static rw_status apply_start_values(rw_instance *m)
             continue;
         }
         share /= 2.0;
-        memcpy(s->now.z, from.z, sizeof from.z);
+        memcpy(s->now.z, before, RW_NZ * sizeof(double));
         if (status == RW_ERROR || share < 1e-2) {
-            memcpy(s->p, p, sizeof p);
-            memcpy(s->mass, mass, sizeof mass);
-            memcpy(s->now.x, x, sizeof x);
+            memcpy(s->p, p, RW_NP * sizeof(double));
+            memcpy(s->mass, mass, RW_NM * sizeof(double));
+            memcpy(s->now.x, x, RW_NX * sizeof(double));
             s->solved = s->rated = s->shown = 0;
             rw_message(m, RW_ERROR, "logStatusError", "No equilibrium was found for these parameters and states");
             return RW_ERROR;
@@ -176,10 +163,9 @@ rw_status rw_get_real(rw_instance *m, unsigned vr, double *value)
             if (status != RW_OK) return status;
             *value = m->s.y[vr - Y];
         } else {
-            double indicator[RW_NK + RW_NL + RW_NB + 1];
-            status = rw_event_indicators(m, indicator);
+            status = rw_event_indicators(m, m->indicator);
             if (status != RW_OK) return status;
-            *value = indicator[vr - EI];
+            *value = m->indicator[vr - EI];
         }
     }
     return RW_OK;
@@ -312,10 +298,10 @@ rw_status rw_get_integer(rw_instance *m, unsigned vr, int *value)
 void rw_clear_seeds(rw_instance *m)
 {
     m->dt = 0.0;
-    memset(m->dx, 0, sizeof m->dx);
-    memset(m->du, 0, sizeof m->du);
-    memset(m->dp, 0, sizeof m->dp);
-    memset(m->dm, 0, sizeof m->dm);
+    memset(m->dx, 0, RW_NX * sizeof(double));
+    memset(m->du, 0, RW_NU * sizeof(double));
+    memset(m->dp, 0, RW_NP * sizeof(double));
+    memset(m->dm, 0, RW_NM * sizeof(double));
 }
 
 /* Seed of a known variable: an input, a state, a parameter, or time. */
@@ -357,39 +343,39 @@ static uint64_t checksum(const unsigned char *bytes, size_t size)
     return sum;
 }
 
-size_t rw_serialized_size(void)
+size_t rw_serialized_size(const rw_instance *m)
 {
-    return sizeof(rw_fingerprint) + sizeof(uint64_t) + RW_STATE_SIZE;
+    return RW_FINGERPRINT + sizeof(uint64_t) + rw_saved_size(m);
 }
 
-rw_status rw_serialize(rw_instance *m, const rw_state *state, unsigned char *bytes, size_t size)
+rw_status rw_serialize(rw_instance *m, const unsigned char *state, unsigned char *bytes, size_t size)
 {
-    uint64_t sum = checksum((const unsigned char *)state, RW_STATE_SIZE);
-    if (size < rw_serialized_size()) {
-        rw_message(m, RW_ERROR, "logStatusError", "A state requires %lu bytes", (unsigned long)rw_serialized_size());
+    uint64_t sum = checksum(state, rw_saved_size(m));
+    if (size < rw_serialized_size(m)) {
+        rw_message(m, RW_ERROR, "logStatusError", "A state requires %lu bytes", (unsigned long)rw_serialized_size(m));
         return RW_ERROR;
     }
-    memcpy(bytes, rw_fingerprint, sizeof rw_fingerprint);
-    memcpy(bytes + sizeof rw_fingerprint, &sum, sizeof sum);
-    memcpy(bytes + sizeof rw_fingerprint + sizeof sum, state, RW_STATE_SIZE);
+    memcpy(bytes, rw_fingerprint, RW_FINGERPRINT);
+    memcpy(bytes + RW_FINGERPRINT, &sum, sizeof sum);
+    memcpy(bytes + RW_FINGERPRINT + sizeof sum, state, rw_saved_size(m));
     return RW_OK;
 }
 
-rw_status rw_deserialize(rw_instance *m, const unsigned char *bytes, size_t size, rw_state **state)
+rw_status rw_deserialize(rw_instance *m, const unsigned char *bytes, size_t size, unsigned char **state)
 {
     uint64_t sum;
-    const unsigned char *kept = bytes + sizeof rw_fingerprint + sizeof sum;
-    if (size != rw_serialized_size() || memcmp(bytes, rw_fingerprint, sizeof rw_fingerprint) != 0) {
+    const unsigned char *kept = bytes + RW_FINGERPRINT + sizeof sum;
+    if (size != rw_serialized_size(m) || memcmp(bytes, rw_fingerprint, RW_FINGERPRINT) != 0) {
         rw_message(m, RW_ERROR, "logStatusError", "These bytes are not a state of this FMU");
         return RW_ERROR;
     }
-    memcpy(&sum, bytes + sizeof rw_fingerprint, sizeof sum);
-    if (sum != checksum(kept, RW_STATE_SIZE)) {
+    memcpy(&sum, bytes + RW_FINGERPRINT, sizeof sum);
+    if (sum != checksum(kept, rw_saved_size(m))) {
         rw_message(m, RW_ERROR, "logStatusError", "These bytes of a state are damaged: their checksum differs");
         return RW_ERROR;
     }
-    if (!*state) *state = malloc(RW_STATE_SIZE);
+    if (!*state) *state = malloc(rw_saved_size(m));
     if (!*state) return RW_ERROR;
-    memcpy(*state, kept, RW_STATE_SIZE);
+    memcpy(*state, kept, rw_saved_size(m));
     return RW_OK;
 }

@@ -11,8 +11,6 @@
 #define STAGE_TOLERANCE 1e-12 /* of the step of Newton's method, scaled */
 #define STAGE_ITERATIONS 30
 
-const rw_pattern rw_drives = {RW_NX, rw_drive_colind, rw_drive_row, rw_drive_order};
-
 static const double stage_time[4] = {0.0, 2.0 * GAMMA, 0.6, 1.0};
 static const double stage_weight[4][3] = {
     {0.0, 0.0, 0.0},
@@ -31,9 +29,9 @@ static const double lower_order[4] = {
 static rw_status driven_step(rw_instance *m, const rw_point *from, double h, int alone)
 {
     rw_point *q = &m->s.now;
-    double rate[RW_NX + 1];
+    double *rate = m->stage[0];
     rw_status status;
-    memcpy(rate, m->s.rate, sizeof rate);
+    memcpy(rate, m->s.rate, RW_NX * sizeof(double));
     q->t = from->t + h;
     for (int i = 0; i < RW_NX; i++) q->x[i] = from->x[i] + h * rate[i];
     for (int i = 0; i < RW_NZ; i++) q->z[i] = from->z[i] + h * m->s.zrate[i];
@@ -53,10 +51,10 @@ static rw_status driven_step(rw_instance *m, const rw_point *from, double h, int
 /* The matrix of the drives of a line, factorised: alone, or with what the line adds. */
 static int drive_matrix(rw_instance *m, double hg, int alone)
 {
-    double values[RW_DNNZ + 1];
+    double *values = m->values;
     if (rw_couplings(m)) return 1;
     for (int j = 0; j < RW_NX; j++) {
-        memset(m->df, 0, sizeof m->df);
+        memset(m->df, 0, RW_NX * sizeof(double));
         for (int p = rw_coupling_colind[j]; p < rw_coupling_colind[j + 1]; p++) m->df[rw_coupling_row[p]] = m->coupling[p];
         for (int p = rw_drives.colind[j]; p < rw_drives.colind[j + 1]; p++) {
             int i = rw_drives.row[p];
@@ -83,7 +81,7 @@ static rw_status drive_stage(rw_instance *m, double hg, int alone)
         if (rw_rate_function(m, q->t, q->x, q->z, m->us, m->f)) return RW_DISCARD;
         if (!m->drives.valid && drive_matrix(m, hg, alone)) return RW_DISCARD;
         for (int i = 0; i < RW_NX; i++) m->increment[i] = (q->x[i] - m->base[i] - hg * m->f[i]) / rw_x_nominal[i];
-        rw_back(&rw_drives, &m->drives, m->increment, m->work);
+        rw_back(&rw_drives, &m->drives, m->increment, m->work, m->row_of);
         for (int i = 0; i < RW_NX; i++) {
             q->x[i] -= m->increment[i] * rw_x_nominal[i];
             if (!(fabs(m->increment[i]) <= size)) size = fabs(m->increment[i]);

@@ -49,7 +49,7 @@ rw_status rw_solve_sections(rw_instance *m, const int *sections, int count)
 /* Solves all sections; after a failure the algebraic variables are unchanged. */
 rw_status rw_solve_all_sections(rw_instance *m, int rates)
 {
-    double before[RW_NZ + 1];
+    double *before = m->before_z;
     put_inputs(m);
     memcpy(before, m->s.now.z, RW_NZ * sizeof(double));
     for (int i = 0; i < rw_line.sections; i++) {
@@ -106,12 +106,12 @@ void rw_through_line(rw_instance *m, const double *coupling, double factor, doub
 {
     rs_point q = point_of(m, m->dx, m->dz);
     put_inputs(m);
-    memset(m->us_rate, 0, sizeof m->us_rate);
-    memset(m->dx, 0, sizeof m->dx);
+    memset(m->us_rate, 0, RW_NU * sizeof(double));
+    memset(m->dx, 0, RW_NX * sizeof(double));
     for (int i = 0; i < rw_line.sections; i++) rs_linearise(&rw_line, &q, i);
     for (int j = 0; j < RW_NX; j++) {
         m->dx[j] = 1.0;
-        memset(m->df, 0, sizeof m->df);
+        memset(m->df, 0, RW_NX * sizeof(double));
         for (int s = rw_state_section_first[j]; s < rw_state_section_first[j + 1]; s++) {
             int section = rw_state_section[s], a = rw_line.first[section], span = rw_line.first_span[section];
             rs_section_rates(&rw_line, &q, section);

@@ -155,7 +155,7 @@ static rw_status overrun(rw_instance *m, unsigned char *just)
     for (int pass = 0; pass < 50; pass++) {
         int moved = 0;
         rw_status status = rw_solve(m);
-        unsigned char forward[RW_NK + 1], backward[RW_NK + 1];
+        unsigned char *forward = m->forward, *backward = m->backward;
         if (status != RW_OK) return status;
         for (int k = 0; k < RW_NK; k++) {
             double ahead, behind, near = RW_NEAR * rw_span_scale[rw_run_of[k]];
@@ -182,18 +182,17 @@ static rw_status overrun(rw_instance *m, unsigned char *just)
 
 rw_status rw_overrun_settle(rw_instance *m)
 {
-    unsigned char just[RW_NK + 1] = {0};
-    return overrun(m, just);
+    memset(m->just, 0, RW_NK);
+    return overrun(m, m->just);
 }
 
 /* The same between events: after a jump of an input or switch, or after a rope that reversed within a step. Loads at
  * the ends of a rope may be beyond the end after a jump. */
 rw_status rw_overrun_moving(rw_instance *m)
 {
-    unsigned char just[RW_NK + 1];
     rw_status status;
-    memset(just, 1, sizeof just);
-    status = overrun(m, just);
+    memset(m->just, 1, RW_NK);
+    status = overrun(m, m->just);
     return status == RW_OK ? rw_rates(m) : status;
 }
 
@@ -201,9 +200,10 @@ rw_status rw_overrun_moving(rw_instance *m)
  * rw_rates. `first` may be NULL. */
 rw_status rw_cross(rw_instance *m, const rw_crossing *first)
 {
-    unsigned char just[RW_NK + 1] = {0};
-    rw_crossing due[RW_NK + 1];
+    unsigned char *just = m->just;
+    rw_crossing *due = m->due;
     int count = 0;
+    memset(just, 0, RW_NK);
     if (first) due[count++] = *first;
     for (int k = 0; k < RW_NK; k++) {
         double ahead, behind, near = RW_NEAR * rw_span_scale[rw_run_of[k]], rate = rw_travel_rate(m, k);

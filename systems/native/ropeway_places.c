@@ -18,7 +18,7 @@ static int place_of(const rw_instance *m)
 
 void rw_start_place(rw_instance *m)
 {
-    m->s.held = m->s.now;
+    m->s.held.t = m->s.now.t;
     memcpy(m->s.held.x, rw_x_start, RW_NX * sizeof(double));
     memcpy(m->s.held.z, rw_z_start, RW_NZ * sizeof(double));
     m->s.place = place_of(m);
@@ -40,7 +40,7 @@ void rw_hold(rw_instance *m)
     if (!RW_NPL) return;
     if (!m->co_simulation && m->s.mode > RW_INITIALIZATION && m->s.place != place_of(m))
         report(m, m->s.place, place_of(m));
-    m->s.held = m->s.now;
+    rw_copy_point(&m->s.held, &m->s.now);
     m->s.place = place_of(m);
 }
 
@@ -90,7 +90,7 @@ static rw_status follow_path(rw_instance *m, const rw_point *from, const rw_poin
 {
     rw_point *q = &m->s.now;
     rw_log_function log = m->log;
-    double before[RW_NG + 1], good[RW_NZ + 1], reached = 0.0, step = 0.5, beyond = 2.0, over = 0.0;
+    double *before = m->margin_before, *good = m->good_z, reached = 0.0, step = 0.5, beyond = 2.0, over = 0.0;
     int border = -1, inside = 0, changes = 0;
     rw_status status;
     memcpy(q->z, from->z, RW_NZ * sizeof(double));
@@ -99,7 +99,7 @@ static rw_status follow_path(rw_instance *m, const rw_point *from, const rw_poin
     for (int trial = 0; status == RW_OK && trial < TRIALS; trial++) {
         double next = fmin(reached + step, 1.0);
         int out;
-        memcpy(before, m->margin, sizeof before);
+        memcpy(before, m->margin, RW_NG * sizeof(double));
         memcpy(good, q->z, RW_NZ * sizeof(double));
         m->log = NULL; /* failures are repeated with smaller steps */
         status = solve_at(m, from, to, next);
@@ -122,7 +122,7 @@ static rw_status follow_path(rw_instance *m, const rw_point *from, const rw_poin
                 inside = 0;
             } else if ((step = 0.5 * (next - reached)) < 1e-9)
                 break;
-            memcpy(m->margin, before, sizeof before);
+            memcpy(m->margin, before, RW_NG * sizeof(double));
             status = RW_OK;
         }
         if (border >= 0 && (m->margin[border] <= RW_NEAR || beyond - reached < CLOSE)) {
@@ -145,26 +145,27 @@ static rw_status follow_path(rw_instance *m, const rw_point *from, const rw_poin
 
 rw_status rw_follow(rw_instance *m)
 {
-    rw_point from = m->s.held, to = m->s.now;
+    const rw_point *from = &m->path_from, *to = &m->path_to;
     rw_log_function log = m->log;
-    double none[RW_NG + 1] = {0};
     rw_status status;
+    rw_copy_point(&m->path_from, &m->s.held);
+    rw_copy_point(&m->path_to, &m->s.now);
     if (place_of(m) != m->s.place) { /* the last point was a rejected trial of the importer */
         m->s.d[0] = m->s.place;
-        memcpy(m->s.now.z, from.z, RW_NZ * sizeof(double));
+        memcpy(m->s.now.z, from->z, RW_NZ * sizeof(double));
         m->s.lu.valid = 0;
     }
     m->log = NULL;
-    status = solve_at(m, &from, &to, 1.0);
+    status = solve_at(m, from, to, 1.0);
     m->log = log;
-    if (status != RW_OK || violated_margin(m, none) >= 0) status = follow_path(m, &from, &to);
+    if (status != RW_OK || violated_margin(m, m->no_margin) >= 0) status = follow_path(m, from, to);
     if (status == RW_OK) {
         if (m->s.mode != RW_CONTINUOUS) rw_hold(m);
         return RW_OK;
     }
     m->s.d[0] = m->s.place;
-    m->s.now = to;
-    memcpy(m->s.now.z, from.z, RW_NZ * sizeof(double));
+    rw_copy_point(&m->s.now, to);
+    memcpy(m->s.now.z, from->z, RW_NZ * sizeof(double));
     m->s.solved = m->s.rated = m->s.shown = m->s.lu.valid = 0;
     return status;
 }

@@ -17,9 +17,9 @@ void rw_place_loads(rw_instance *m)
 }
 
 /* Takes over a saved state. */
-void rw_take_state(rw_instance *m, const rw_state *state)
+void rw_take_state(rw_instance *m, const unsigned char *state)
 {
-    memcpy(&m->s, state, RW_STATE_SIZE);
+    rw_restore(m, state);
     if (RW_SECTIONS || RW_INERTIAL) m->s.lu.valid = 0;
     rw_place_loads(m);
 }
@@ -118,7 +118,7 @@ void rw_write_slots(rw_instance *m)
 void rw_slot_seeds(rw_instance *m)
 {
     double grown = 0.0, whole = 0.0;
-    memset(m->dd, 0, sizeof m->dd);
+    memset(m->dd, 0, RW_ND * sizeof(double));
     for (int k = 0; k < RW_NK; k++) {
         int run = rw_run_of[k];
         if (k == rw_run_first[run]) {

@@ -4,8 +4,6 @@
 #include <string.h>
 #include "ropeway.h"
 
-const rw_pattern rw_whole = {RW_NW, rw_colind, rw_row, rw_column_order};
-
 #define TOLERANCE 1e-12 /* of the predicted next Newton step, scaled */
 
 /* Scaled residuals of x - base - hg f = 0 and g = 0; their norm, INFINITY if they are not finite. */
@@ -37,8 +35,8 @@ static int by_groups(rw_instance *m)
         m->res[2] = NULL;
         if (rw_tangent(m->arg, m->res, m->iw, m->cw, 0)) return 1;
         for (int j = 0; j < RW_NW; j++)
-            for (int p = rw_colind[j]; rw_group[j] == group && p < rw_colind[j + 1]; p++)
-                m->s.lu.jac[p] = rw_row[p] < RW_NX ? m->f[rw_row[p]] : m->g[rw_row[p] - RW_NX];
+            for (int p = rw_whole.colind[j]; rw_group[j] == group && p < rw_whole.colind[j + 1]; p++)
+                m->s.lu.jac[p] = rw_whole.row[p] < RW_NX ? m->f[rw_whole.row[p]] : m->g[rw_whole.row[p] - RW_NX];
     }
     return 0;
 }
@@ -56,12 +54,12 @@ int rw_matrix(rw_instance *m, double t, const double *x, const double *z, const 
 /* Factors of the scaled matrix from m->s.lu.jac. */
 int rw_factor_matrix(rw_instance *m, double hg)
 {
-    static const int nx = RW_NX;
-    double values[RW_NNZ + 1];
+    const int nx = RW_NX;
+    double *values = m->values;
     for (int j = 0; j < RW_NW; j++) {
-        double scale = j < nx ? rw_x_nominal[j < nx ? j : 0] : rw_z_nominal[j - nx];
-        for (int p = rw_colind[j]; p < rw_colind[j + 1]; p++) {
-            int i = rw_row[p];
+        double scale = j < nx ? rw_x_nominal[j] : rw_z_nominal[j - nx];
+        for (int p = rw_whole.colind[j]; p < rw_whole.colind[j + 1]; p++) {
+            int i = rw_whole.row[p];
             if (i < nx)
                 values[p] = (i == j ? 1.0 : 0.0) - hg * m->s.lu.jac[p] * scale / rw_x_nominal[i];
             else
@@ -95,18 +93,18 @@ static void advance(const double *from, const double *increment, double share, d
  * unchanged. */
 rw_status rw_newton(rw_instance *m, double t, double *x, double *z, const double *u, const double *base, double hg)
 {
-    double first[RW_NW + 1], *from = m->w, before = INFINITY, last = INFINITY;
+    double *first = m->first, *from = m->w, before = INFINITY, last = INFINITY;
     int fresh = 0, renew = !m->s.lu.valid || m->s.lu.hg != hg;
     rw_status status = RW_DISCARD;
     if (RW_NZ == 0 && hg == 0.0) return RW_OK;
     memcpy(first, x, RW_NX * sizeof(double));
     memcpy(first + RW_NX, z, RW_NZ * sizeof(double));
-    memcpy(from, first, sizeof first);
+    memcpy(from, first, RW_NW * sizeof(double));
     m->s.lu.exact = 0;
     for (int it = 0; it < 60; it++) {
         double norm = residual(m, t, x, z, u, base, hg), size = 0.0, rate;
         if (it == 0 && isinf(norm)) {
-            memset(m->residual, 0, sizeof m->residual);
+            memset(m->residual, 0, RW_NW * sizeof(double));
             rw_fail(m, "The equations are not finite", t);
             goto failed;
         }
@@ -140,8 +138,8 @@ rw_status rw_newton(rw_instance *m, double t, double *x, double *z, const double
             renew = 0;
             fresh = 1;
         }
-        memcpy(m->increment, m->residual, sizeof m->residual);
-        rw_back(&rw_whole, &m->s.lu, m->increment, m->work);
+        memcpy(m->increment, m->residual, RW_NW * sizeof(double));
+        rw_back(&rw_whole, &m->s.lu, m->increment, m->work, m->row_of);
         if (hg == 0.0) memset(m->increment, 0, RW_NX * sizeof(double)); /* x is given and stays unchanged */
         for (int i = 0; i < RW_NW; i++)
             if (!(fabs(m->increment[i]) <= size)) size = fabs(m->increment[i]);
@@ -181,7 +179,7 @@ rw_status rw_solve_here(rw_instance *m)
     status = rw_newton(m, q->t, q->x, q->z, m->us, q->x, 0.0);
     if (status != RW_OK) return status;
     if (rw_rate_function(m, q->t, q->x, q->z, m->us, m->s.rate)) {
-        memset(m->residual, 0, sizeof m->residual);
+        memset(m->residual, 0, RW_NW * sizeof(double));
         return rw_fail(m, "The rates are not finite", q->t);
     }
     m->s.solved = 1;

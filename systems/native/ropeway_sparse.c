@@ -95,10 +95,9 @@ int rw_factor(rw_instance *m, const rw_pattern *a, rw_factors *lu, const double 
 }
 
 /* Solves in place. */
-void rw_back(const rw_pattern *a, const rw_factors *lu, double *b, double *work)
+void rw_back(const rw_pattern *a, const rw_factors *lu, double *b, double *work, int *row_of)
 {
     /* L has original row numbers: work[k] is the unknown of the k-th pivot. */
-    int row_of[RW_NW + 1];
     for (int i = 0; i < a->n; i++) row_of[lu->pinv[i]] = i;
     for (int k = 0; k < a->n; k++) {
         double v = b[row_of[k]];

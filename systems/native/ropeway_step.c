@@ -14,7 +14,7 @@
 static rw_status restore(rw_instance *m, const rw_point *from)
 {
     rw_status status;
-    m->s.now = *from;
+    rw_copy_point(&m->s.now, from);
     m->s.solved = m->s.rated = m->s.shown = 0;
     m->s.lu.valid = 0;
     status = rw_solve(m);
@@ -54,15 +54,16 @@ static rw_status after_event(rw_instance *m, rw_status status)
 /* A step of at most h, reduced to the time of the first crossing or release within it. */
 static rw_status step_to_event(rw_instance *m, double h, double stop)
 {
-    rw_point from = m->s.now;
+    const rw_point *from = &m->from;
     rw_crossing coming, leaving;
     double before = -INFINITY, ahead = -INFINITY;
     int standing = rw_standing(m);
     rw_status status = standing ? rw_release(m, &leaving, &before) : RW_OK;
+    rw_copy_point(&m->from, &m->s.now);
     if (status != RW_OK) return status;
     if (before >= RELEASE_FORCE) return after_event(m, rw_let_go(m, &leaving));
     for (int trial = 0; trial < 40; trial++) {
-        status = step(m, &from, &h, stop);
+        status = step(m, from, &h, stop);
         if (status != RW_OK) return status;
         if (rw_next_crossing(m, &coming) && coming.gap < -RW_NEAR * rw_span_scale[rw_run_of[coming.k]]) {
             /* a crossing lies within the step */
@@ -76,10 +77,10 @@ static rw_status step_to_event(rw_instance *m, double h, double stop)
             h *= trial < 20 ? (RELEASE_FORCE - before) / (ahead - before) : 0.5;
         }
         if (h < LEAST_STEP) break;
-        status = restore(m, &from);
+        status = restore(m, from);
         if (status != RW_OK) return status;
     }
-    rw_message(m, RW_DISCARD, "logStatusDiscard", "An event cannot be located after t = %.9g s", from.t);
+    rw_message(m, RW_DISCARD, "logStatusDiscard", "An event cannot be located after t = %.9g s", from->t);
     return RW_DISCARD;
 }
 
@@ -101,7 +102,7 @@ void rw_start_clocks(rw_instance *m)
 static rw_status tick(rw_instance *m)
 {
     int any = 0;
-    memset(m->changes, 0, sizeof m->changes);
+    memset(m->changes, 0, RW_ND);
     for (int i = 0; i < RW_NC; i++) {
         if (m->s.stopping || next_tick(m, i) > m->s.now.t + 1e-9) continue;
         rw_status status = rw_solve(m);
@@ -147,15 +148,11 @@ static double next_limit_check(const rw_instance *m)
     return time;
 }
 
-typedef struct {
-    int passed[RW_NK + 1], broken[RW_NL + 1], place;
-} rw_changes;
-
-/* Notes an event if a discrete variable has changed since `before`. */
-static void note_changes(rw_instance *m, const rw_changes *before)
+/* Notes an event if a discrete variable has changed since m->passed_before and m->broken_before, and since `place`. */
+static void note_changes(rw_instance *m, int place)
 {
-    if (memcmp(before->passed, m->s.passed, sizeof m->s.passed) || memcmp(before->broken, m->s.broken, sizeof m->s.broken) ||
-        before->place != m->s.place)
+    if (memcmp(m->passed_before, m->s.passed, RW_NK * sizeof(int)) || memcmp(m->broken_before, m->s.broken, RW_NL * sizeof(int)) ||
+        place != m->s.place)
         m->event = 1;
 }
 
@@ -167,9 +164,7 @@ static rw_status advance(rw_instance *m, double end)
         double t = m->s.now.t, stop = fmin(end, rw_next_time_event(m)), h = stop - t;
         rw_crossing coming;
         int some = rw_next_crossing(m, &coming), moved = 0;
-        rw_changes before;
-        rw_threshold due[RW_NTH];
-        int crosses = RW_INERTIAL ? rw_zones_due(m, due) > 0 : some && coming.gap <= RW_NEAR * rw_span_scale[rw_run_of[coming.k]];
+        int place, crosses = RW_INERTIAL ? rw_zones_due(m, m->zones_due) > 0 : some && coming.gap <= RW_NEAR * rw_span_scale[rw_run_of[coming.k]];
         if (crosses || tick_due(m)) m->event = 1;
         if (m->event && m->stops_at_events && t > begin) return rw_limits(m); /* the importer handles it */
         if (crosses) {
@@ -186,9 +181,9 @@ static rw_status advance(rw_instance *m, double end)
         }
         if (RW_COUPLED && !RW_INERTIAL) h = fmin(h, m->s.h);
         if (RW_NL) h = fmin(h, next_limit_check(m));
-        memcpy(before.passed, m->s.passed, sizeof before.passed);
-        memcpy(before.broken, m->s.broken, sizeof before.broken);
-        before.place = m->s.place;
+        memcpy(m->passed_before, m->s.passed, RW_NK * sizeof(int));
+        memcpy(m->broken_before, m->s.broken, RW_NL * sizeof(int));
+        place = m->s.place;
         if (RW_SECTIONS && !rw_standing(m)) status = rw_move_along(m, h, stop, &moved);
         if (RW_INERTIAL) status = rw_move_with_inertia(m, h, stop);
         else if (status == RW_OK && !moved) {
@@ -198,7 +193,7 @@ static rw_status advance(rw_instance *m, double end)
         }
         if (status == RW_OK && !RW_INERTIAL) status = rw_overrun_moving(m);
         if (status == RW_OK && RW_NL) status = rw_limits(m);
-        note_changes(m, &before);
+        note_changes(m, place);
     }
     if (status == RW_OK) {
         rw_message(m, RW_DISCARD, "logStatusDiscard", "The step to t = %.9g s needs more than %d steps of the solver; it reached t = %.9g s: take smaller steps",
@@ -213,12 +208,12 @@ static rw_status advance(rw_instance *m, double end)
 rw_status rw_do_step(rw_instance *m, double end)
 {
     rw_status status;
-    memcpy(&m->backup, &m->s, RW_STATE_SIZE);
+    rw_save(m, m->backup);
     m->event = 0;
     if (RW_NF) m->s.solved = m->s.rated = m->s.shown = 0; /* the rates of inputs may have changed */
     status = advance(m, end);
     if (status > RW_WARNING) {
-        rw_take_state(m, &m->backup);
+        rw_take_state(m, m->backup);
         m->s.lu.valid = 0;
         return status;
     }

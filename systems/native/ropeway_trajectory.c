@@ -9,34 +9,32 @@
 #define SHORT 3e-6      /* s, of travel at a known rate that is as good as a solution */
 #define LEAST_STEP 1e-11 /* s */
 
+/* Both ends of a step of the states, which are m->course_..., and its length. */
 typedef struct {
-    rw_point from, to; /* of the states */
-    double h, rate[RW_NX + 1], end_rate[RW_NX + 1];
+    const rw_point *from, *to;
+    double h;
+    const double *rate, *end_rate;
 } trajectory;
 
-/* All that a step changes. */
-typedef struct {
-    rw_point now;
-    int passed[RW_NK + 1];
-    double d[RW_ND + 1], rate[RW_NX + 1], zrate[RW_NZ + 1];
-} kept_line;
-
-static void keep(const rw_instance *m, kept_line *to)
+/* Keeps all that a step changes, or takes it back. */
+static void keep(rw_instance *m, int back)
 {
-    to->now = m->s.now;
-    memcpy(to->passed, m->s.passed, sizeof to->passed);
-    memcpy(to->d, m->s.d, sizeof to->d);
-    memcpy(to->rate, m->s.rate, sizeof to->rate);
-    memcpy(to->zrate, m->s.zrate, sizeof to->zrate);
+    const struct {
+        void *kept, *own;
+        size_t size;
+    } parts[] = {
+        {m->start_x, m->s.now.x, RW_NX * sizeof(double)},       {m->start_z, m->s.now.z, RW_NZ * sizeof(double)},
+        {m->start_passed, m->s.passed, RW_NK * sizeof(int)},    {m->start_d, m->s.d, RW_ND * sizeof(double)},
+        {m->start_rate, m->s.rate, RW_NX * sizeof(double)},     {m->start_zrate, m->s.zrate, RW_NZ * sizeof(double)},
+    };
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        memcpy(back ? parts[i].own : parts[i].kept, back ? parts[i].kept : parts[i].own, parts[i].size);
 }
 
-static void take_back(rw_instance *m, const kept_line *from)
+static void take_back(rw_instance *m, double time)
 {
-    m->s.now = from->now;
-    memcpy(m->s.passed, from->passed, sizeof from->passed);
-    memcpy(m->s.d, from->d, sizeof from->d);
-    memcpy(m->s.rate, from->rate, sizeof from->rate);
-    memcpy(m->s.zrate, from->zrate, sizeof from->zrate);
+    keep(m, 1);
+    m->s.now.t = time;
     m->s.solved = m->s.rated = 1;
     m->s.shown = 0;
     rw_place_loads(m);
@@ -45,18 +43,16 @@ static void take_back(rw_instance *m, const kept_line *from)
 /* The drives over at most `h`; the line stays at its point. */
 static rw_status trace(rw_instance *m, double h, trajectory *c)
 {
-    c->from = m->s.now;
-    c->h = h;
-    memcpy(c->rate, m->s.rate, sizeof c->rate);
+    rw_copy_point(&m->course_from, &m->s.now);
+    memcpy(m->course_rate, m->s.rate, RW_NX * sizeof(double));
+    *c = (trajectory){&m->course_from, &m->course_to, h, m->course_rate, m->course_end_rate};
     for (;;) {
-        double error, zrate[RW_NZ + 1];
-        rw_status status;
-        memcpy(zrate, m->s.zrate, sizeof zrate);
-        status = rw_one_step(m, &c->from, c->h, 1, &error);
-        c->to = m->s.now;
-        memcpy(c->end_rate, m->s.rate, sizeof c->end_rate);
-        m->s.now = c->from;
-        memcpy(m->s.rate, c->rate, sizeof c->rate);
+        double error;
+        rw_status status = rw_one_step(m, c->from, c->h, 1, &error);
+        rw_copy_point(&m->course_to, &m->s.now);
+        memcpy(m->course_end_rate, m->s.rate, RW_NX * sizeof(double));
+        rw_copy_point(&m->s.now, c->from);
+        memcpy(m->s.rate, c->rate, RW_NX * sizeof(double));
         if (status == RW_OK && error <= 1.0) {
             double next = c->h * fmin(5.0, 0.9 / cbrt(fmax(error, 1e-9)));
             if (next > m->s.h || error > 0.3) m->s.h = next;
@@ -72,12 +68,12 @@ static rw_status trace(rw_instance *m, double h, trajectory *c)
 static void follow(rw_instance *m, const trajectory *c, double time)
 {
     rw_point *q = &m->s.now;
-    double s = (time - c->from.t) / c->h, h = time - q->t;
+    double s = (time - c->from->t) / c->h, h = time - q->t;
     double a = s * s * (3.0 - 2.0 * s), b = s * (1.0 - s) * (1.0 - s) * c->h, e = s * s * (s - 1.0) * c->h;
     double da = 6.0 * s * (1.0 - s) / c->h, db = (1.0 - s) * (1.0 - 3.0 * s), de = s * (3.0 * s - 2.0);
     for (int i = 0; i < RW_NX; i++) {
-        double way = c->to.x[i] - c->from.x[i];
-        q->x[i] = s == 1.0 ? c->to.x[i] : c->from.x[i] + a * way + b * c->rate[i] + e * c->end_rate[i];
+        double way = c->to->x[i] - c->from->x[i];
+        q->x[i] = s == 1.0 ? c->to->x[i] : c->from->x[i] + a * way + b * c->rate[i] + e * c->end_rate[i];
         m->s.rate[i] = da * way + db * c->rate[i] + de * c->end_rate[i];
     }
     for (int i = 0; i < RW_NZ; i++) q->z[i] += h * m->s.zrate[i];
@@ -107,8 +103,8 @@ static int is_driven(int k)
 /* The run of a step: its end; time since which each section has been followed; sections in hand; crossings so far. */
 typedef struct {
     const trajectory *c;
-    double end, since[RW_NSEC + 1];
-    int sections[RW_NSEC + 1], count;
+    double end, *since;
+    int *sections, count;
     rw_crossing done[MOST];
     double time[MOST];
     int held[MOST], crossings;
@@ -209,7 +205,7 @@ static int solve_all(rw_instance *m)
 /* The run ends at the last crossing so far. */
 static void end_early(passage *w)
 {
-    w->end = w->c->from.t;
+    w->end = w->c->from->t;
     for (int i = 0; i < rw_line.sections; i++) w->end = fmax(w->end, w->since[i]);
 }
 
@@ -218,8 +214,8 @@ static void end_early(passage *w)
 static int run(rw_instance *m, passage *w)
 {
     int solved = 0; /* at the end */
-    w->end = w->c->to.t;
-    for (int i = 0; i < rw_line.sections; i++) w->since[i] = w->c->from.t;
+    w->end = w->c->to->t;
+    for (int i = 0; i < rw_line.sections; i++) w->since[i] = w->c->from->t;
     for (int trial = 0; trial < 4 * MOST; trial++) {
         rw_crossing next;
         int result;
@@ -250,20 +246,20 @@ static int run(rw_instance *m, passage *w)
  * more than to pass a support, `moved` is 0 and the line is as before. */
 rw_status rw_move_along(rw_instance *m, double h, double stop, int *moved)
 {
-    kept_line start;
+    const double time = m->s.now.t;
     trajectory c;
-    passage w = {.c = &c};
+    passage w = {.c = &c, .since = m->since, .sections = m->sections};
     rw_log_function log = m->log;
     *moved = 0;
     if (!rw_drives_alone(m)) return RW_OK;
-    keep(m, &start);
+    keep(m, 0);
     m->log = NULL; /* what fails is done again */
     if (trace(m, h, &c) == RW_OK) {
-        if (c.to.t >= stop - LEAST_STEP) c.to.t = stop;
+        if (c.to->t >= stop - LEAST_STEP) m->course_to.t = stop;
         *moved = run(m, &w);
     }
     m->log = log;
-    if (!*moved) take_back(m, &start);
+    if (!*moved) take_back(m, time);
     for (int i = 0; *moved && i < w.crossings; i++) {
         int first = 0; /* of sections beside each other the later one may have been found first */
         for (int j = 1; j < w.crossings; j++)

@@ -135,7 +135,7 @@ static int thresholds(const rw_instance *m, rw_threshold *found)
 /* The events that are due at the present rates, and all that are possible with them, one for each load. */
 int rw_zones_due(const rw_instance *m, rw_threshold *due)
 {
-    rw_threshold all[RW_NTH];
+    rw_threshold *all = m->thresholds;
     int count = 0, any = 0;
     for (int i = thresholds(m, all) - 1; i >= 0; i--) {
         int j = 0;
@@ -164,13 +164,14 @@ static void join(rw_instance *m, int k)
 /* Outputs at the present point, or APART later or earlier at the present rates. */
 static rw_status outputs_at(rw_instance *m, int way, double *y)
 {
-    rw_point q = m->s.now;
+    rw_point *q = &m->trial;
     double h = way * APART;
-    q.t += h;
-    for (int i = 0; i < RW_NX; i++) q.x[i] += h * m->s.rate[i];
-    for (int i = 0; i < RW_NZ; i++) q.z[i] += h * m->s.zrate[i];
+    rw_copy_point(q, &m->s.now);
+    q->t += h;
+    for (int i = 0; i < RW_NX; i++) q->x[i] += h * m->s.rate[i];
+    for (int i = 0; i < RW_NZ; i++) q->z[i] += h * m->s.zrate[i];
     rw_inputs_at(m, m->s.now.t, m->us);
-    rw_point_arguments(m, &q.t, q.x, q.z, m->us);
+    rw_point_arguments(m, &q->t, q->x, q->z, m->us);
     m->res[0] = y;
     if (!rw_outputs(m->arg, m->res, m->iw, m->cw, 0) && rw_all_finite(y, RW_NY)) return RW_OK;
     rw_message(m, RW_DISCARD, "logStatusDiscard", "The outputs are not finite at t = %.9g s", m->s.now.t);
@@ -180,7 +181,7 @@ static rw_status outputs_at(rw_instance *m, int way, double *y)
 /* Frees loads: they take place and velocity of their stations. */
 static rw_status leave(rw_instance *m, const rw_threshold *due, int count)
 {
-    double here[RW_NY + 1], later[RW_NY + 1], earlier[RW_NY + 1];
+    double *here = m->y_here, *later = m->y_later, *earlier = m->y_earlier;
     rw_status status = outputs_at(m, 0, here);
     if (status == RW_OK) status = outputs_at(m, 1, later);
     if (status == RW_OK) status = outputs_at(m, -1, earlier);
@@ -222,18 +223,12 @@ static void tie(rw_instance *m, const rw_threshold *t)
     }
 }
 
-/* What a slot with a load has in a span. */
-typedef struct {
-    int load;
-    double x[6], z[6], tied[2], joined, lost;
-} moving_slot;
-
 /* Of span k all slots with loads: place and velocity, pull and acceleration. */
-static int take(const rw_instance *m, int k, moving_slot *found)
+static int take(const rw_instance *m, int k, rw_moving_slot *found)
 {
     int count = m->s.passed[k] - m->s.passed[k + 1];
     for (int j = 0; j < count; j++) {
-        moving_slot *s = &found[j];
+        rw_moving_slot *s = &found[j];
         s->load = m->s.passed[k] - 1 - j;
         for (int axis = 0; axis < 3; axis++) {
             s->x[axis] = m->s.now.x[rw_slot_place[3 * k + axis] + j];
@@ -249,13 +244,13 @@ static int take(const rw_instance *m, int k, moving_slot *found)
 }
 
 /* Writes the slots of span k, now that its loads have changed; empty ones are tied to its end b. */
-static void put(rw_instance *m, int k, const moving_slot *known, int count)
+static void put(rw_instance *m, int k, const rw_moving_slot *known, int count)
 {
     double behind[3];
     memcpy(behind, m->s.now.z + rw_force[k], sizeof behind);
     for (int j = 0; j < rw_slot_count[k]; j++) {
         int load = m->s.passed[k] - 1 - j;
-        const moving_slot *s = NULL;
+        const rw_moving_slot *s = NULL;
         for (int n = 0; n < count && load >= m->s.passed[k + 1]; n++)
             if (known[n].load == load) s = &known[n];
         *discrete(m, rw_slot_joined, k, j) = s ? s->joined : 0.0;
@@ -273,11 +268,11 @@ static void put(rw_instance *m, int k, const moving_slot *known, int count)
 }
 
 /* A load that comes into span k through one of its ends, tied to that end. */
-static moving_slot coming_in(rw_instance *m, int k, const rw_threshold *t, int load, double lost, const moving_slot *own, int count)
+static rw_moving_slot coming_in(rw_instance *m, int k, const rw_threshold *t, int load, double lost, const rw_moving_slot *own, int count)
 {
     int forward = t->kind == CROSS_FORWARD;
     double weight = rw_load_mass(m, rw_run_of[k], load) * m->s.p[0], *force = m->s.now.z + rw_force[k];
-    moving_slot s = {.load = load, .tied = {forward, !forward}, .lost = lost};
+    rw_moving_slot s = {.load = load, .tied = {forward, !forward}, .lost = lost};
     memcpy(s.z, force, 3 * sizeof(double));
     for (int n = 0; !forward && n < count; n++)
         if (own[n].load == load + 1) memcpy(s.z, own[n].z, 3 * sizeof(double));
@@ -292,7 +287,7 @@ static rw_status cross(rw_instance *m, const rw_threshold *t)
     int run = rw_run_of[t->k], first = rw_run_first[run], last = rw_run_first[run + 1] - 1;
     int forward = t->kind == CROSS_FORWARD, joint = rw_around[run] && (t->k == first || t->k == last);
     int ends[2] = {joint ? first : t->k, last}, spans[4], counts[4], n = 0;
-    moving_slot known[4][RW_SLOTS + 1];
+    rw_moving_slot *known[4];
     double lost = 0.0;
     for (int e = 0; e <= joint; e++)
         for (int k = ends[e] - 1; k <= ends[e]; k++) {
@@ -300,6 +295,7 @@ static rw_status cross(rw_instance *m, const rw_threshold *t)
             for (int i = 0; i < n; i++) seen |= spans[i] == k;
             if (seen) continue;
             spans[n] = k;
+            known[n] = m->known + n * (RW_SLOTS + 1);
             counts[n] = take(m, k, known[n]);
             for (int j = 0; j < counts[n]; j++)
                 if (known[n][j].load == t->load) lost = known[n][j].lost;
@@ -329,7 +325,7 @@ static rw_status cross(rw_instance *m, const rw_threshold *t)
 /* All events that are due at the present point, whose rates are known; the line is solved again. */
 rw_status rw_pass_zones(rw_instance *m)
 {
-    rw_threshold due[RW_NTH];
+    rw_threshold *due = m->zones_due;
     int count = rw_zones_due(m, due), leaving = 0;
     rw_status status = RW_OK;
     if (!count) return RW_OK;
@@ -346,9 +342,9 @@ rw_status rw_pass_zones(rw_instance *m)
 /* Moves the line by at most h, to the first event that a load comes to; `stop` is where h may end. */
 rw_status rw_move_with_inertia(rw_instance *m, double h, double stop)
 {
-    rw_threshold found[RW_NTH];
-    double low[RW_NK + 1], high[RW_NK + 1], reached[RW_NU + 1];
-    int watched[RW_NK + 1], place[RW_NK + 1], count = 0, events = thresholds(m, found), failed;
+    rw_threshold *found = m->thresholds;
+    double *low = m->watch_low, *high = m->watch_high, *reached = m->input_reached;
+    int *watched = m->watched, *place = m->watch_of, count = 0, events = thresholds(m, found), failed;
     ri_point *q = rw_core_point(m);
     ri_run run = {.stop = h, .h = m->s.h, .tolerance = m->tolerance, .shortest = SHORTEST};
     for (int k = 0; k < RW_NK; k++) {
@@ -381,7 +377,7 @@ rw_status rw_move_with_inertia(rw_instance *m, double h, double stop)
 /* Travel of the rope over support k until the next event there, whichever way it moves, as a part of a mean span. */
 double rw_zone_gap(const rw_instance *m, int k)
 {
-    rw_threshold all[RW_NTH];
+    rw_threshold *all = m->thresholds;
     double gap = INFINITY;
     for (int i = thresholds(m, all) - 1; i >= 0; i--)
         if (all[i].k == k) gap = fmin(gap, all[i].gap - 0.5 * RW_ZONE_NEAR);

@@ -35,7 +35,7 @@ static room room_of(const rs_line *l, double *work)
 
 int rs_work_size(const rs_line *l)
 {
-    return RS_WORK_SIZE(l->spans, l->supports, l->nz, l->slots);
+    return (RS_SPAN + 3 * 8) * l->spans + (RS_SUPPORT + 5) * l->supports + 2 * l->nz + 4 * (l->slots + 8) + 256;
 }
 
 double rs_travel(const rs_line *l, const rs_point *q, int k)

@@ -53,9 +53,6 @@ typedef struct {
     int worst;    /* of a failure: the residual that is worst */
 } rs_point;
 
-#define RS_WORK_SIZE(spans, supports, nz, slots) /* doubles of rs_point.work */ \
-    ((RS_SPAN + 3 * 8) * (spans) + (RS_SUPPORT + 5) * (supports) + 2 * (nz) + 4 * ((slots) + 8) + 256)
-
 RS_API int rs_work_size(const rs_line *line);
 void rs_linearise(const rs_line *line, rs_point *q, int section);
 void rs_section_rates(const rs_line *line, rs_point *q, int section);

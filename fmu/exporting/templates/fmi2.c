@@ -53,7 +53,8 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     if (!i) return NULL;
     i->callbacks = callbacks;
     i->name = malloc(strlen(name) + 1);
-    if (!i->name) {
+    if (!i->name || rw_take_memory(&i->core)) {
+        free(i->name);
         free(i);
         return NULL;
     }
@@ -71,6 +72,7 @@ void fmi2FreeInstance(fmi2Component c)
 {
     if (!c) return;
     free(((instance *)c)->name);
+    rw_leave_memory(CORE);
     free(c);
 }
 

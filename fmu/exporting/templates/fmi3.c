@@ -37,7 +37,10 @@ static fmi3Instance instantiate(fmi3String name, fmi3String token, fmi3Boolean l
         return NULL;
     }
     i = calloc(1, sizeof *i);
-    if (!i) return NULL;
+    if (!i || rw_take_memory(&i->core)) {
+        free(i);
+        return NULL;
+    }
     i->environment = environment;
     i->log = log;
     i->core.log = forward_message;
@@ -82,7 +85,12 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token
     return NULL;
 }
 
-void fmi3FreeInstance(fmi3Instance c) { free(c); }
+void fmi3FreeInstance(fmi3Instance c)
+{
+    if (!c) return;
+    rw_leave_memory(CORE);
+    free(c);
+}
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
                                        fmi3Float64 start, fmi3Boolean stopDefined, fmi3Float64 stop)
@@ -260,13 +268,13 @@ fmi3Status fmi3EnterStepMode(fmi3Instance c)
 static void inputs_at_end(void *c, double end, double size)
 {
     instance_data *i = c;
-    double begin[RW_NU + 1], reached[RW_NU + 1];
+    double *begin = CORE->input_begin, *reached = CORE->input_end;
     fmi3Boolean early = fmi3False;
     fmi3Float64 until = end;
-    memcpy(begin, CORE->s.u, sizeof begin);
+    memcpy(begin, CORE->s.u, RW_NU * sizeof(double));
     i->update(i->environment, end, fmi3True, fmi3False, fmi3False, fmi3False, &early, &until);
-    memcpy(reached, CORE->s.u, sizeof reached);
-    memcpy(CORE->s.u, begin, sizeof begin);
+    memcpy(reached, CORE->s.u, RW_NU * sizeof(double));
+    memcpy(CORE->s.u, begin, RW_NU * sizeof(double));
     rw_inputs_reach(CORE, reached, size);
     CORE->s.solved = CORE->s.rated = CORE->s.shown = 0;
 }

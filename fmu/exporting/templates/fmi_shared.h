@@ -60,9 +60,9 @@ FMI(Status) FMI(Reset)(void *c)
 FMI(Status) FMI_GET_STATE(void *c, void **state)
 {
     NEEDS(state, "GetFMUstate");
-    if (!*state) *state = malloc(RW_STATE_SIZE);
+    if (!*state) *state = malloc(rw_saved_size(CORE));
     if (!*state) return FMI(Error);
-    memcpy(*state, &CORE->s, RW_STATE_SIZE);
+    rw_save(CORE, *state);
     return FMI(OK);
 }
 
@@ -87,7 +87,7 @@ FMI(Status) FMI_SERIALIZED_SIZE(void *c, void *state, size_t *size)
 {
     (void)state;
     NEEDS(size, "SerializedFMUstateSize");
-    *size = rw_serialized_size();
+    *size = rw_serialized_size(CORE);
     return FMI(OK);
 }
 
@@ -100,7 +100,7 @@ FMI(Status) FMI_SERIALIZE(void *c, void *state, FMI(Byte) bytes[], size_t size)
 FMI(Status) FMI_DESERIALIZE(void *c, const FMI(Byte) bytes[], size_t size, void **state)
 {
     NEEDS(state && bytes, "DeSerializeFMUstate");
-    return (FMI(Status))rw_deserialize(CORE, (const unsigned char *)bytes, size, (rw_state **)state);
+    return (FMI(Status))rw_deserialize(CORE, (const unsigned char *)bytes, size, (unsigned char **)state);
 }
 
 static FMI(Status) directional(void *c, const FMI(ValueReference) unknown[], size_t nu, const FMI(ValueReference) known[],
@@ -167,21 +167,21 @@ FMI(Status) FMI(SetTime)(void *c, double time)
 FMI(Status) FMI(SetContinuousStates)(void *c, const double x[], size_t n)
 {
     rw_status status = RW_OK;
-    NEEDS(n == RW_NX && !CORE->co_simulation, "SetContinuousStates");
+    NEEDS(n == (size_t)RW_NX && !CORE->co_simulation, "SetContinuousStates");
     for (size_t i = 0; i < n; i++) WORST(status, rw_set_real(CORE, (unsigned)(1 + i), x[i]));
     return FMI(OK);
 }
 
 FMI(Status) FMI(GetContinuousStates)(void *c, double x[], size_t n)
 {
-    NEEDS(n == RW_NX && !CORE->co_simulation, "GetContinuousStates");
+    NEEDS(n == (size_t)RW_NX && !CORE->co_simulation, "GetContinuousStates");
     memcpy(x, CORE->s.now.x, n * sizeof *x);
     return FMI(OK);
 }
 
 FMI(Status) FMI(GetNominalsOfContinuousStates)(void *c, double nominal[], size_t n)
 {
-    NEEDS(n == RW_NX && !CORE->co_simulation, "GetNominalsOfContinuousStates");
+    NEEDS(n == (size_t)RW_NX && !CORE->co_simulation, "GetNominalsOfContinuousStates");
     memcpy(nominal, rw_x_nominal, n * sizeof *nominal);
     return FMI(OK);
 }
@@ -189,7 +189,7 @@ FMI(Status) FMI(GetNominalsOfContinuousStates)(void *c, double nominal[], size_t
 FMI(Status) FMI_GET_RATES(void *c, double rate[], size_t n)
 {
     rw_status status = RW_OK;
-    NEEDS(n == RW_NX && !CORE->co_simulation, "GetDerivatives");
+    NEEDS(n == (size_t)RW_NX && !CORE->co_simulation, "GetDerivatives");
     WORST(status, rw_up_to_date(CORE));
     memcpy(rate, CORE->s.rate, n * sizeof *rate);
     return FMI(OK);
@@ -197,7 +197,7 @@ FMI(Status) FMI_GET_RATES(void *c, double rate[], size_t n)
 
 FMI(Status) FMI(GetEventIndicators)(void *c, double indicator[], size_t n)
 {
-    NEEDS(n == RW_NK + RW_NL + RW_NB && !CORE->co_simulation, "GetEventIndicators");
+    NEEDS(n == (size_t)(RW_NK + RW_NL + RW_NB) && !CORE->co_simulation, "GetEventIndicators");
     return (FMI(Status))rw_event_indicators(CORE, indicator);
 }
 

@@ -103,3 +103,14 @@ def test_two_processes_at_once(folder: Path) -> None:
     assert [process.communicate()[0].strip() for process in both] == ["46", "46"]
     assert cache_info().libraries == 1
     assert isinstance(ctypes.CDLL(str(kept(folder))).answer(), int)
+
+
+def test_asking_a_compiler_for_its_version_leaves_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The one of ziglang leaves an empty a.o where it runs when it compiles for macOS."""
+    untidy, here = tmp_path / "untidy", tmp_path / "here"
+    untidy.write_text("#!/bin/sh\ntouch a.o\necho 1.0\n")
+    untidy.chmod(0o755)
+    here.mkdir()
+    monkeypatch.chdir(here)
+    assert binary_cache.version_of((str(untidy),))[-1] == "1.0\n"
+    assert not list(here.iterdir())
