@@ -177,7 +177,7 @@ class _Simulation:
     """One run: a line, and the clocks and interventions that act on it."""
 
     def __init__(self, start: Equilibrium, settings: _Settings, *, compiled: bool) -> None:
-        self._compiled = compiled
+        self._compiled = compiled and settings.inertia is None
         state = LineState(start.model, start.point.copy(), start.runs, start.passed)
         unpin(state)
         signals = settings.signals

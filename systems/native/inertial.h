@@ -29,8 +29,9 @@ typedef struct {
     /* of each component, pieces first: its form, first places in the vectors, in `port_...`, of its kernels' input,
      * results and blocks in the work, of the dense matrices of a piece; of a node its first unknown */
     const int *form, *x, *z, *r, *u, *p, *d, *port_at, *input, *result, *blocks, *dense, *unknown;
-    /* of each entry of a port: the place in (x, z, u, p, 0, 1) where it stands, or the piece and its result */
-    const int *port_source, *port_piece, *port_row;
+    /* of each entry of a port: the place in (x, z, u, p, 0, 1) where it stands, or the piece and its result; of a piece
+     * also the place of what is added */
+    const int *port_source, *port_aside, *port_piece, *port_row;
     /* of each piece, from `active_at` on: the unknowns of nodes that it reads, the columns of its blocks by ports */
     const int *active_at, *active_unknown;
     const int *shared; /* (ns,): places in (x, z, u, p, 0, 1) */
@@ -61,7 +62,6 @@ typedef struct {
     int watches, steps, rejected, hit;
     const int *watched;
     const double *low, *high;
-    double near;
 } ri_run;
 
 RI_API int ri_solve(const ri_line *line, ri_point *q);

@@ -15,7 +15,7 @@ INTEGERS = (
     *("form_nx", "form_nz", "form_nu", "form_np", "form_nd", "form_ports", "form_given", "block", "order_at"),
     *("rows", "columns", "at", "order_r", "order_z"),
     *("form", "x", "z", "r", "u", "p", "d", "port_at", "input", "result", "blocks", "dense", "unknown"),
-    *("port_source", "port_piece", "port_row"),
+    *("port_source", "port_aside", "port_piece", "port_row"),
     *("active_at", "active_unknown", "shared"),
 )
 NUMBERS = ("x_nominal", "z_nominal", "r_scale")
@@ -49,7 +49,6 @@ class SystemRun(ctypes.Structure):
         *((name, ctypes.c_double) for name in ("time", "stop", "h", "tolerance", "shortest")),
         *((name, ctypes.c_int) for name in ("watches", "steps", "rejected", "hit")),
         *((name, ctypes.c_void_p) for name in ("watched", "low", "high")),
-        ("near", ctypes.c_double),
     )
 
 

@@ -15,6 +15,7 @@
 #define CHORD 1e-4    /* below this its next iteration has the same matrix */
 #define APART 1e-5    /* time over which rates are differences [s] */
 #define LONGEST 0.5   /* longest step [s] */
+#define NEAR 1e-7     /* how near to a bound a watched state is there [m] */
 
 static const double GAMMA = 0.21193756319429014;
 static const double A[STAGES][STAGES] = {
@@ -180,10 +181,20 @@ static double until_bound(const ri_run *run, const double *x, const double *rate
 {
     for (int i = 0; i < run->watches; i++) {
         double v = rate[run->watched[i]], gap = (v > 0.0 ? run->high[i] : run->low[i]) - x[run->watched[i]];
-        if (v != 0.0 && gap * v > 0.0 && (gap + (v > 0.0 ? 0.2 : -0.2) * run->near) / v < h)
-            h = (gap + (v > 0.0 ? 0.2 : -0.2) * run->near) / v;
+        if (v != 0.0 && gap * v > 0.0 && gap / v < h) h = gap / v;
     }
     return h;
+}
+
+/* The time after which a watched state that has moved from `x`, with its rates there, to `to` in h seconds is at its
+ * bound, by the parabola through both. */
+static double back_to_bound(const ri_run *run, int which, const double *x, const double *rate, const double *to, double h)
+{
+    int place = run->watched[which];
+    double way = to[place] - x[place], gap = (way > 0.0 ? run->high[which] : run->low[which]) - x[place];
+    double v = rate[place] * h, curve = way - v, root = v * v + 4.0 * curve * gap, share = gap / way;
+    if (root > 0.0 && way * (v + copysign(sqrt(root), way)) > 0.0) share = 2.0 * gap / (v + copysign(sqrt(root), way));
+    return h * (share > 0.0 && share < 1.0 ? share : fmin(0.95, fmax(0.02, gap / way)));
 }
 
 /* The watched state that is farthest beyond a bound, and by how much [m]. */
@@ -219,15 +230,13 @@ int ri_move(const ri_line *l, ri_point *q, ri_run *run)
             continue;
         }
         over = beyond(run, q->y, &which);
-        if (over > run->near && h > 2.0 * run->shortest) { /* again, to the bound */
-            double at = y0[run->watched[which]], to = q->y[run->watched[which]];
-            double gap = to > at ? run->high[which] - at : at - run->low[which];
-            run->h = h * fmin(0.95, fmax(0.02, (gap + 0.2 * run->near) / fabs(to - at)));
+        if (over > NEAR && h > 2.0 * run->shortest) { /* again, to the bound */
+            run->h = back_to_bound(run, which, y0, first, q->y, h);
             memcpy(q->y, y0, n * sizeof(double));
             rejected = 1;
             continue;
         }
-        if (over >= 0.0) run->hit = which;
+        if (over >= -NEAR) run->hit = which;
         run->time += h, run->steps++;
         double grown = h * fmin(rejected ? 1.0 : 5.0, fmax(0.2, 0.9 * pow(fmax(error, 1e-6), -0.2)));
         run->h = h < run->h ? fmax(run->h, grown) : grown;

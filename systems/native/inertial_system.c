@@ -40,6 +40,7 @@ void ri_evaluate(const ri_line *l, ri_point *q)
         for (int k = l->port_at[i]; k < l->port_at[i + 1]; k++) {
             int piece = l->port_piece[k];
             *v++ = piece < 0 ? q->y[l->port_source[k]] : q->kernel[l->result[piece] + l->port_row[k]];
+            if (i < l->pieces) v[-1] += q->y[l->port_aside[k]];
         }
         memcpy(v, q->y + l->nx + l->nz + l->u[i], l->form_nu[f] * sizeof(double)), v += l->form_nu[f];
         for (int k = 0; k < l->ns; k++) *v++ = q->y[l->shared[k]];

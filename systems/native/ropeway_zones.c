@@ -7,7 +7,6 @@
 
 #define APART 1e-4    /* time over which velocities are differences of places [s] */
 #define SHORTEST 1e-9 /* step [s] */
-#define NEAR 2e-4     /* how far past an event the line may stop [m] */
 #define BEHIND 1e-4   /* travel after which an event is due that was due before but for the direction of the rope [m] */
 
 static const char *const failures[] = {"", "The equations are singular", "Newton's method stalled",
@@ -347,7 +346,7 @@ rw_status rw_move_with_inertia(rw_instance *m, double h, double stop)
     double *low = m->watch_low, *high = m->watch_high, *reached = m->input_reached;
     int *watched = m->watched, *place = m->watch_of, count = 0, events = thresholds(m, found), failed;
     ri_point *q = rw_core_point(m);
-    ri_run run = {.stop = h, .h = m->s.h, .tolerance = m->tolerance, .shortest = SHORTEST, .near = NEAR};
+    ri_run run = {.stop = h, .h = m->s.h, .tolerance = m->tolerance, .shortest = SHORTEST};
     for (int k = 0; k < RW_NK; k++) {
         if (!ties(k)) continue;
         watched[count] = rw_travel[k], place[k] = count;

@@ -13,6 +13,7 @@ import pandas as pd
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import CompilerError, EquilibriumError, SimulationError, WriteError
+from ropeway.components.node import Node
 from ropeway.components.table_writer import Tabular
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
@@ -284,6 +285,16 @@ class RunData(Tabular):
         quoted, as the snap of a rope that tightens again is not resolved."""
         start = self.times[0]
         return min((e.time for e in self.limits_reached if e.event == _SLACK and e.time > start), default=np.inf)
+
+    @property
+    def in_balance(self) -> tuple[str, ...]:
+        """Names of the nodes that have no inertia in a run with it: saddles, blocks, logs, spars, elastic anchors and
+        components of the user's are in equilibrium with their ropes at every time. Empty without inertia."""
+        if self.model.inertia is None:
+            return ()
+        unknown = {name.rpartition(".")[0] for name in self.model.z.names}
+        nodes = [c for c in self.model.system.components.values() if isinstance(c, Node) and not c.inertial]
+        return tuple(node.name for node in nodes if node.name in unknown)
 
     @property
     def _clearance(self) -> float | None:

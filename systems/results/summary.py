@@ -142,6 +142,8 @@ def _text(result: RunData, supports: pd.DataFrame, spans: pd.DataFrame) -> str:
             f"A rope goes slack at {result.slack_time:.2f} s. Tensions count until then: the snap of a rope that "
             "tightens again is not resolved"
         )
+    if result.in_balance:
+        lines.append(f"Without inertia, in equilibrium at every time: {', '.join(result.in_balance)}")
     for column, sign, words in (
         ("least_support_force", -1.0, "Supports where the rope lifts off (least support force [N])"),
         ("least_grip_margin", -1.0, "Drives on which the rope slips (least grip margin)"),

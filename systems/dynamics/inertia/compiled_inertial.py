@@ -18,8 +18,6 @@ from ropeway.systems.statics.line_state import LineState
 
 _FIRST, _SHORTEST = 0.01, 1e-9
 """Step that is tried first, and shortest step [s]."""
-_NEAR = 2e-4
-"""How far past a threshold the line may stop [m]."""
 
 
 class CompiledInertialLine(InertialLine):
@@ -63,7 +61,6 @@ class CompiledInertialLine(InertialLine):
             tolerance=self.tolerance,
             shortest=_SHORTEST,
             watches=len(bounds.watched),
-            near=_NEAR,
             watched=bounds.watched.ctypes.data,
             low=bounds.low.ctypes.data,
             high=bounds.high.ctypes.data,

@@ -80,6 +80,11 @@ def inertial_model(model: Model, inertia: Inertia, slots: tuple[tuple[int, ...],
     for run in model.runs:
         require_fitting(run, inertia)
     found = assembled(with_inertia(model.system, inertia), slots, inertia)
+    if len(found.x) == 0:
+        raise InputError(
+            f"Nothing in {model.name!r} can move with inertia: it has no load, wheel or carriage",
+            "Give rope nodes, as inertia=rw.Inertia(nodes=6), or leave out inertia=",
+        )
     for run, layout in zip(found.runs, found.layouts, strict=True):
         still = np.flatnonzero((layout.travel.algebraic >= 0) & carries_loads(run))
         if len(still):

@@ -135,7 +135,7 @@ def _made(component: Component, site: Site) -> ComponentKernels:
         if order_z and k in _COLUMNS_ARE_UNKNOWNS:
             columns = np.argsort(order_z)[columns].tolist()
         blocks.append(Block(tuple(rows), tuple(columns)))
-        entries.append(found.nz[:])
+        entries.append(ca.vec(found.nz[:]))  # of one row they are a row
     value = _kernel("value", [s.x, s.z, s.ports, s.known], [s.rates, s.residuals, s.given])
     matrix = _kernel("matrix", inputs, entries)
     return ComponentKernels(sizes, value, matrix, tuple(blocks), order_r, order_z, frozenset(blocks[1].columns))

@@ -95,17 +95,18 @@ class _Finder:
         key = self.system.connections[piece.name, end]
         return key[0], self.seats[key]
 
-    def sources(self, piece: Component) -> list[int]:
-        """What the ports of a piece read."""
-        found = list[int]()
+    def sources(self, piece: Component) -> list[tuple[int, int]]:
+        """What the ports of a piece read, each the sum of two places: where a rope leaves a node beside its place, its
+        end is away from the node."""
+        found = list[tuple[int, int]]()
         for port in piece.ports:
             node, seat = self.seat(piece, port.name)
-            if seat.offset is not None:
-                raise UnfitError(f"a rope leaves {node!r} beside its place")
             names = [*"xyz", seat.travel]
+            aside = [None if seat.offset is None else f"{seat.offset}_{name}" for name in ("x", "y", "z", "rope")]
             if piece.inertial:
                 names += [*(f"{seat.rates}{rate}" for rate in _RATES), seat.speed, seat.acceleration]
-            found += [self.place(node, name) for name in names]
+            aside += [None] * (len(names) - len(aside))
+            found += [(self.place(node, a), self.place(node, b)) for a, b in zip(names, aside, strict=True)]
         return found
 
     def _unknowns(self) -> tuple[dict[str, int], int]:
@@ -149,7 +150,7 @@ class _Finder:
         needed = {*blocks[_PORTS].columns, *blocks[_FORCES_PORTS].columns}
         each = len(sources) // len(piece.component.ports)
         nodes = [self.seat(piece.component, port.name)[0] for port in piece.component.ports]
-        found = [(k, self.unknown_of(sources[k], nodes[k // each])) for k in sorted(needed)]
+        found = [(k, self.unknown_of(place, nodes[k // each])) for k in sorted(needed) for place in sources[k]]
         return [(k, unknown) for k, unknown in found if unknown >= 0]
 
     @cached_property
@@ -194,7 +195,9 @@ class _Form:
     def __init__(
         self, kernels: ComponentKernels, active: Sequence[int] = (), used: frozenset[int] = frozenset()
     ) -> None:
-        self.kernels, places = kernels, {port: i for i, port in enumerate(active)}
+        self.kernels, places = kernels, dict[int, list[int]]()
+        for i, port in enumerate(active):
+            places.setdefault(port, []).append(i)
         self.blocks, self.at, begin = list[Block](), list[list[int]](), 0
         piece = bool(kernels.order_r)
         for k, block in enumerate(kernels.blocks):
@@ -203,7 +206,7 @@ class _Form:
             if piece and k in (_FORCES, _FORCES_STATES, _FORCES_PORTS):
                 entries = [e for e in entries if e[0] in used]
             if piece and k in (_PORTS, _FORCES_PORTS):
-                entries = [(r, places[c], at) for r, c, at in entries if c in places]
+                entries = [(r, column, at) for r, c, at in entries for column in places.get(c, ())]
             self.blocks.append(Block(tuple(e[0] for e in entries), tuple(e[1] for e in entries)))
             self.at.append([e[2] for e in entries])
         empty = BLOCKS - len(self.blocks)
@@ -236,7 +239,8 @@ def tables_of(model: Model) -> Tables:
     found = _Finder(model)
     parts, pieces = found.parts, found.pieces
     shared = [found.begins[kind] + i for kind, i in shared_places(model.tables)]
-    ports = [[(k, -1, 0) for k in found.sources(p.component)] for p in pieces] + [found.forces(p) for p in found.nodes]
+    sources = [found.sources(p.component) for p in pieces]
+    ports = [[(place, -1, 0) for place, _ in own] for own in sources] + [found.forces(p) for p in found.nodes]
     actives = [found.active(p) for p in pieces]
     forms, of = _forms(found, ports, actives)
     sizes = [p.kernels.sizes for p in parts]
@@ -261,6 +265,7 @@ def tables_of(model: Model) -> Tables:
         "dense": np.cumsum([0, *dense])[:-1],
         "unknown": [0] * len(pieces) + [found.unknown[p.component.name] for p in found.nodes],
         "port_source": [e[0] for e in flat],
+        "port_aside": [place for own in sources for _, place in own],
         "port_piece": [e[1] for e in flat],
         "port_row": [e[2] for e in flat],
         "active_at": np.cumsum([0, *(len(a) for a in actives)]),

@@ -250,6 +250,20 @@ def test_a_model_with_inertia_is_not_used_where_it_does_not_fit() -> None:
         rw.simulate(level_span([900.0]), 1.0, start=result.at(1.0))
 
 
+def test_a_result_names_what_has_no_inertia() -> None:
+    s = rw.System("saddle")
+    jack = rw.IntermediateSupport("jack", at=(100.0, 0.0))
+    spans = s.string(ROPE, rw.Anchor("a", at=(0.0, 0.0)), jack, rw.Anchor("b", at=(200.0, 0.0)), length=200.2)
+    with pytest.raises(rw.InputError, match="Nothing in 'saddle' can move"):
+        rw.simulate(s, 0.1, inertia=rw.Inertia())
+    s.hang(rw.Load("turn", mass=500.0), spans, at=50.0)
+    result = rw.simulate(s, 0.1, every=0.1, inertia=rw.Inertia())
+    assert result.in_balance == ("jack",)
+    assert "in equilibrium at every time: jack" in str(result.summary())
+    assert rw.simulate(s, 0.1, every=0.1).in_balance == ()
+    assert rw.simulate(level_span([900.0]), 0.1, every=0.1, inertia=rw.Inertia()).in_balance == ()
+
+
 def test_a_gust_lets_a_load_swing_and_the_air_damps_it() -> None:
     rope = rw.Rope(mass_per_length=2.4, axial_stiffness=24e6, breaking_load=450e3, diameter=0.0254)
     s = rw.System("windy")

@@ -12,6 +12,7 @@ import pytest
 import ropeway as rw
 from ropeway.systems.dynamics.result import Result
 from support.drives import hydraulic_drive
+from support.fmus import corridor
 from support.held_carriage import held_carriage
 
 ROPE = rw.Rope(mass_per_length=2.4, axial_stiffness=24.026e6, breaking_load=450e3, diameter=0.0254)
@@ -106,6 +107,16 @@ def test_a_payload_dropped_from_a_carriage_is_that_of_idas() -> None:
     system, rest = held_carriage(ROPE)
     drop = [rw.Intervention(0.5, "payload dropped", "carriage")]
     assert apart(both(system, 2.0, every=0.25, start=rest, interventions=drop)) < 1e-6
+
+
+def test_a_carriage_on_a_shoe_is_that_of_idas() -> None:
+    """Its ropes leave beside its place."""
+    ramp = rw.Schedule((0.0, 0.2, 0.4, 1.0), (0.0, 0.0, 0.3, 0.3))
+    runs = both(corridor().system(0, on=0, payload=1500.0), 0.6, every=0.2, inputs={"mainline.speed": ramp})
+    assert apart(runs) < 1e-6
+    x = runs[1].frame["carriage.x"].to_numpy()
+    assert x == pytest.approx(runs[0].frame["carriage.x"].to_numpy(), abs=1e-6)
+    assert x[-1] > x[0] + 0.05
 
 
 def test_the_result_depends_neither_on_the_interval_nor_on_the_tolerance() -> None:

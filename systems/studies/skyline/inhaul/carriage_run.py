@@ -215,6 +215,7 @@ class CarriageRun:
                 start=self.moving or eq,
                 tolerance=self.tolerance,
                 progress=False,
+                compiled=self.compiled and self.inertia is not None,
                 inertia=self.inertia,
             )
         except Interrupted as interrupted:

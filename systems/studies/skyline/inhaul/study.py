@@ -12,7 +12,7 @@ import pandas as pd
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import Range
-from ropeway.components.errors import CompiledError, EquilibriumError, InputError, SimulationError
+from ropeway.components.errors import EquilibriumError, InputError, SimulationError
 from ropeway.components.inertia import Inertia
 from ropeway.components.table_writer import Tabular
 from ropeway.systems.interrupts import interruptible, keeping
@@ -124,7 +124,7 @@ def inhaul(
     inertia : Inertia, optional
         The inertia of carriage, payload and ropes, without rope nodes: the carriage swings after a change of the
         payload. It comes to each span in balance, with the ropes at their speeds; a carriage on a shoe and a log stay
-        in balance. The mainline's drum keeps its speed. Not compiled.
+        in balance. The mainline's drum keeps its speed.
     compiled : bool, default False
         Whether to solve in compiled code, which needs a C compiler at first use: the same result.
 
@@ -156,8 +156,6 @@ def inhaul(
     check.count(abs(end - start) / speed / every, rig.name, "records")
     check.not_negative(payload, rig.name, "payload", "kg")
     _require_run(rig, start, end, changes)
-    if compiled and inertia is not None:
-        raise CompiledError("A compiled inhaul has no inertia", "Leave out compiled=True or inertia=")
     if inertia is not None and inertia.nodes:
         raise InputError(
             f"{rig.name}: Inertia(nodes={inertia.nodes}) in an inhaul", "Use nodes=0: each rope is one catenary there"
