@@ -13,7 +13,8 @@ from ropeway.systems.dynamics.chattering import ChatterGuard
 from ropeway.systems.dynamics.line_stepper import LEAST_STEP, LONGEST_STEP, LineMotion, LineStepper
 from ropeway.systems.dynamics.load_events import LoadEvents
 from ropeway.systems.dynamics.recorder import Recorder
-from ropeway.systems.solvers.drive_trajectories import Window, drives_of
+from ropeway.systems.solvers.drive_trajectories import CHECKED, Window, drives_of
+from ropeway.systems.statics.line_state import LineState
 
 _SHORT_WINDOW = 1e-3
 """Window [s] of the drives' motion that is not shortened where a polynomial does not follow it."""
@@ -45,7 +46,8 @@ class SectionIntegrator:
         while np.any(window.unresolved > line.tolerance * line.state.model.x.nominals) and window.h > _SHORT_WINDOW:
             window = drives.window(line.state.point, window.h / 2.0, motion.x, slope)
         end = window.start + window.h
-        if not drives.alone(window, line.state.point, slope):
+        predicted = line.state.point.z + np.outer(CHECKED * window.h, motion.z)
+        if not drives.alone(window, line.state.point, slope, predicted):
             return None
         return self.attempt(window, end, motion, stop)
 
@@ -57,8 +59,8 @@ class SectionIntegrator:
         overrun = bool(loads.overrun(line.state, set()))
         while end > begin:
             try:
-                done = self.through(window, end, motion, stop, strict=not overrun and end - begin > LEAST_STEP)
-                if done is not None:
+                done = self._recording(window, end, motion, stop, strict=not overrun and end - begin > LEAST_STEP)
+                if done is not None and self.stayed_alone(window, saved, done):
                     return done
                 end = begin
             except UnforeseenError:  # over a shorter step rates predict it
@@ -67,6 +69,35 @@ class SectionIntegrator:
             line.state = saved.copy()
             self.recorder.rewind(checkpoint)
         return None
+
+    def stayed_alone(self, window: Window, start: LineState, motion: LineMotion) -> bool:
+        """Whether no limit of a drive has been active since the window's start; `motion`: the rates now. Between the
+        two the algebraic variables are between the tangent there, which has been checked, the chord and the tangent
+        here."""
+        line, begin, now = self.line, start.point, self.line.state.point
+        if not line.state.standing() and not drives_of(line.state.model, line.tolerance).decoupled(now):
+            return False
+        duration = now.t - begin.t
+        passed = CHECKED[CHECKED * window.h < duration - 1e-9] * window.h
+        if not len(passed):
+            return True
+        chord = begin.z + np.outer(passed / duration, now.z - begin.z)
+        tangent = now.z + np.outer(passed - duration, motion.z)
+        slope = (now.u - begin.u) / duration
+        return drives_of(start.model, line.tolerance).alone(window, begin, slope, chord, tangent)
+
+    def _recording(
+        self, window: Window, end: float, motion: LineMotion, stop: float, *, strict: bool
+    ) -> LineMotion | None:
+        """As `through`, with an entry at each time of the grid before the end."""
+        found: LineMotion | None = motion
+        for time in self.recorder.due(end):
+            found = self.through(window, time, motion, stop, strict=strict)
+            if found is None or self.line.time < time:
+                return found
+            motion = found
+            self.recorder.record_due(self.line.state)
+        return self.through(window, end, motion, stop, strict=strict) if self.line.time < end else found
 
     def through(
         self, window: Window, end: float, motion: LineMotion, stop: float, *, strict: bool
@@ -105,7 +136,7 @@ class SectionIntegrator:
         motion = line.correct(self._follow(window, end, motion), stop)
         if strict and loads.overrun(line.state, set()):
             raise UnforeseenError
-        return motion if drives.decoupled(line.state.point) else None
+        return motion
 
     def _follow(self, window: Window, time: float, motion: LineMotion) -> LineMotion:
         """Takes the states from the drives' trajectories, and the algebraic variables along a straight line."""
