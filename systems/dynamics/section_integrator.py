@@ -13,11 +13,14 @@ from ropeway.systems.dynamics.chattering import ChatterGuard
 from ropeway.systems.dynamics.line_stepper import LEAST_STEP, LONGEST_STEP, LineMotion, LineStepper
 from ropeway.systems.dynamics.load_events import LoadEvents
 from ropeway.systems.dynamics.recorder import Recorder
-from ropeway.systems.solvers.drive_trajectories import CHECKED, Window, drives_of
+from ropeway.systems.solvers.drive_trajectories import NODES, Window, drives_of
 from ropeway.systems.statics.line_state import LineState
 
 _SHORT_WINDOW = 1e-3
 """Window [s] of the drives' motion that is not shortened where a polynomial does not follow it."""
+
+_EARLY, _INSIDE, _LATE = np.array([2, 4, 6]), np.array([4, 6, 8]), np.array([8, 10])
+"""Those of a window's points at which limits are checked: in its first half, within it, in its second half."""
 
 
 class UnforeseenError(Exception):
@@ -46,8 +49,8 @@ class SectionIntegrator:
         while np.any(window.unresolved > line.tolerance * line.state.model.x.nominals) and window.h > _SHORT_WINDOW:
             window = drives.window(line.state.point, window.h / 2.0, motion.x, slope)
         end = window.start + window.h
-        predicted = line.state.point.z + np.outer(CHECKED * window.h, motion.z)
-        if not drives.alone(window, line.state.point, slope, predicted):
+        tangent = line.state.point.z + np.outer(NODES[_EARLY] * window.h, motion.z)
+        if not drives.alone(window, line.state.point, slope, _EARLY, tangent):
             return None
         return self.attempt(window, end, motion, stop)
 
@@ -72,19 +75,18 @@ class SectionIntegrator:
 
     def stayed_alone(self, window: Window, start: LineState, motion: LineMotion) -> bool:
         """Whether no limit of a drive has been active since the window's start; `motion`: the rates now. Between the
-        two the algebraic variables are between the tangent there, which has been checked, the chord and the tangent
-        here."""
+        two the algebraic variables are between the chord and the nearer of both tangents, of which that there has been
+        checked."""
         line, begin, now = self.line, start.point, self.line.state.point
         if not line.state.standing() and not drives_of(line.state.model, line.tolerance).decoupled(now):
             return False
-        duration = now.t - begin.t
-        passed = CHECKED[CHECKED * window.h < duration - 1e-9] * window.h
-        if not len(passed):
-            return True
-        chord = begin.z + np.outer(passed / duration, now.z - begin.z)
-        tangent = now.z + np.outer(passed - duration, motion.z)
-        slope = (now.u - begin.u) / duration
-        return drives_of(start.model, line.tolerance).alone(window, begin, slope, chord, tangent)
+        duration = max(now.t - begin.t, 1e-9)
+        inside, late = (nodes[NODES[nodes] * window.h < duration - 1e-9] for nodes in (_INSIDE, _LATE))
+        chord = begin.z + np.outer(NODES[inside] * window.h / duration, now.z - begin.z)
+        tangent = now.z + np.outer(NODES[late] * window.h - duration, motion.z)
+        which, slope = np.concatenate([inside, late]), (now.u - begin.u) / duration
+        drives = drives_of(start.model, line.tolerance)
+        return drives.alone(window, begin, slope, which, np.concatenate([chord, tangent]))
 
     def _recording(
         self, window: Window, end: float, motion: LineMotion, stop: float, *, strict: bool

@@ -25,13 +25,9 @@ from ropeway.systems.solvers.prescribed_states import commanded_of
 NODES = (1.0 - np.cos(np.pi * np.arange(13) / 12.0)) / 2.0
 """Chebyshev points on [0, 1]."""
 _COUPLED = 1e-9
-"""Least effect [per s] that counts."""
+"""Least effect on a rate [per s] of an algebraic variable, changed by its nominal, that counts."""
 WEIGHTS = (-1.0) ** np.arange(13) * np.where((np.arange(13) == 0) | (np.arange(13) == 12), 0.5, 1.0)
 """Weights of the barycentric formula at these points."""
-
-_CHECKED = slice(2, None, 2)
-CHECKED = NODES[_CHECKED]
-"""Those of them at which limits are checked."""
 
 
 def _derivative() -> np.ndarray:
@@ -93,8 +89,7 @@ class Drives:
         if self.ties:
             inputs = [time, *(sx[kind] for kind in VECTORS)]
             scaled = by_z * ca.repmat(ca.DM(model.z.nominals).T, nx, 1)
-            self._coupling = ca.Function("coupling", inputs, [ca.norm_inf(ca.vertcat(*scaled.nonzeros()))])
-            self._couplings: dict[int, Buffered] = {}
+            self._coupling = Buffered(ca.Function("coupling", inputs, [ca.norm_inf(ca.vertcat(*scaled.nonzeros()))]))
         w, slope = model.sym("w", nx), model.sym("slope", nu)
         x0, rate = model.sym("x0", nx), model.sym("rate", nx)
         passed = tau * h
@@ -126,25 +121,17 @@ class Drives:
 
     def decoupled(self, point: Point) -> bool:
         """Whether the rates of the states do not depend on the algebraic variables here."""
-        return not self.ties or self._coupled(1, *point.arguments) < _COUPLED
+        return not self.ties or float(self._coupling(*point.arguments)[0][0]) < _COUPLED
 
-    def alone(self, window: Window, point: Point, slope: np.ndarray, *z: np.ndarray) -> bool:
-        """Whether no limit is active along a window from a point: at the first of the points `CHECKED`, for each of
-        some courses of the algebraic variables there, (count, nz)."""
-        if not self.ties or not len(z[0]):
+    def alone(self, window: Window, point: Point, slope: np.ndarray, which: np.ndarray, z: np.ndarray) -> bool:
+        """Whether no limit is active at some of the Chebyshev points of a window from a point; `z`: the algebraic
+        variables there, (count, nz)."""
+        if not self.ties:
             return True
-        count, passed = len(z[0]), CHECKED[: len(z[0])] * window.h
-        x, u = window.values[_CHECKED][:count], point.u + np.outer(passed, slope)
-        t, x, u = (np.concatenate([rows] * len(z)) for rows in (point.t + passed, x, u))
-        return self._coupled(len(t), t, x, np.concatenate(z), u, point.p, point.d) < _COUPLED
-
-    def _coupled(self, count: int, *arguments: np.ndarray) -> float:
-        """The largest effect of an algebraic variable, changed by its nominal, on a rate, at `count` points."""
-        if count not in self._couplings:
-            one = self._coupling
-            many = one if count == 1 else one.map(f"couplings{count}", "serial", count, [4, 5], [])
-            self._couplings[count] = Buffered(many)
-        return float(self._couplings[count](*arguments)[0].max())
+        passed = NODES[which] * window.h
+        u = point.u + np.outer(passed, slope)
+        rows = zip((point.t + passed)[:, None], window.values[which], z, u, strict=True)
+        return all(float(self._coupling(*row, point.p, point.d)[0][0]) < _COUPLED for row in rows)
 
     def window(self, point: Point, h: float, rate: np.ndarray, slope: np.ndarray) -> Window:
         """The states over `h` seconds from a point with the rates of the states there [per s].
