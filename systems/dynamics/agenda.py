@@ -1,4 +1,4 @@
-"""The coming stops of a run that the compiled core goes through, and how far it has come."""
+"""The coming stops of a run: those that the compiled core goes through, and how far it has come."""
 
 from __future__ import annotations
 
@@ -6,7 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from ropeway.systems.statics.pending_events import Pending
+
+TOGETHER = 100
+"""Times of the grid that the compiled core goes through in one call: a bar moves between two calls."""
 
 
 @dataclass(frozen=True)
@@ -27,3 +32,11 @@ class Progress(NamedTuple):
 
     grid: int
     ticks: tuple[int, ...]
+
+
+def grid_times(count: int, every: float, until: float, before: float) -> list[float]:
+    """Times of the grid [s] from its number `count` on, all earlier than `before`, of a run to `until`."""
+    last = min(round(until / every), int(min(before, until) / every)) + 2
+    times = np.minimum(np.arange(count, last) * every, until)
+    times = times[: int(np.searchsorted(times, until)) + 1]
+    return [t for t in times.tolist() if t < before - 1e-9]

@@ -15,6 +15,7 @@ from ropeway.systems.dynamics.line_stepper import LEAST_STEP, LineMotion, LineSt
 from ropeway.systems.dynamics.load_events import LoadEvents
 from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.section_integrator import SectionIntegrator
+from ropeway.systems.solvers.prescribed_states import commanded_of
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.stability import has_free_nodes, require_stable, slack
 
@@ -50,6 +51,11 @@ class EventStepper:
     def disturbed(self) -> bool:
         """Whether the line has not been solved since something else than time has changed it."""
         return self._motion is None
+
+    @property
+    def integrates(self) -> bool:
+        """Whether states are integrated: not all of them are known functions of time."""
+        return len(commanded_of(self.state.model).rows) < len(self.state.model.x)
 
     def disturb(self) -> None:
         """Declares that something else than time has changed the line: it is solved before the next step."""

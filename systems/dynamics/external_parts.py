@@ -34,6 +34,11 @@ class ExternalParts:
         if self._parts:  # a step of the line that is linear would lose the second order of other equations
             self._stepper.line.tiny = _RESOLUTION
 
+    @property
+    def present(self) -> bool:
+        """Whether there are any."""
+        return bool(self._parts)
+
     def run_to(self, stop: float) -> None:
         """Advances to a time [s] through all events before it and at it, or until a component ends the run. Raises
         EquilibriumError, SimulationError."""

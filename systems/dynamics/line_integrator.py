@@ -29,21 +29,42 @@ class LineIntegrator:
         self.line = line
         self.events = events
         self.guard = guard
+        self._longest = LONGEST_STEP
 
     def advance(self, motion: LineMotion, stop: float) -> LineMotion:
-        """Advances the line to the next event or to `stop`; returns its rates there. Raises EquilibriumError,
-        SimulationError."""
+        """Advances the line to the next event or to `stop`, with an entry at each time of the grid before; returns its
+        rates there. Raises EquilibriumError, SimulationError."""
+        line, recorder = self.line, self.events.recorder
+        before = line.state.copy() if recorder.due(line.time + LONGEST_STEP) else None
+        moved = self._advance(motion, stop)
+        if before is not None:  # times of the grid do not steer the integration: they are reached beside it
+            line.state, end = before, line.state
+            for time in recorder.due(end.point.t):
+                motion = self._integrate(time - line.time, motion, stop)
+                recorder.record_due(line.state)
+            line.state = end
+        return moved
+
+    def _integrate(self, h: float, motion: LineMotion, stop: float) -> LineMotion:
+        line = self.line
+        return line.advance(h, motion, stop) if h <= line.tiny else line.integrate(h, motion, stop)
+
+    def _advance(self, motion: LineMotion, stop: float) -> LineMotion:
+        """To the next event, or over one step."""
         line = self.line
         coming = loads.next_crossing(line.state, motion.travel)
-        h = min(stop - line.time, LONGEST_STEP, np.inf if coming is None else max(coming.time, 0.0))
+        h = min(stop - line.time, self._longest, np.inf if coming is None else max(coming.time, 0.0))
         standing = bool(line.state.standing())
         h = min(h, _STANDING_STEP) if standing else h
         before, start, overrun = line.state.copy(), motion, bool(loads.overrun(line.state, set()))
         while True:
-            motion = line.advance(h, motion, stop) if h <= line.tiny else line.integrate(h, motion, stop)
+            motion = self._integrate(h, motion, stop)
             if standing and self.events.release(before, stop):
                 return line.solve(stop)
-            if h <= _CHECKED_STEP or not self._deviates(before, start, motion):
+            if h > _CHECKED_STEP and self._deviates(before, start, motion):
+                self._longest = h / 2.0
+            else:
+                self._longest = min(2.0 * self._longest, LONGEST_STEP)
                 coming = loads.next_crossing(line.state, motion.travel)
                 if coming is not None and coming.time <= max(0.0, min(line.short, stop - line.time)):
                     first, motion = self._locate(before, coming, motion, stop)

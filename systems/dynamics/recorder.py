@@ -30,10 +30,11 @@ class Entry(NamedTuple):
 
 
 class Checkpoint(NamedTuple):
-    """How many entries and events there were at a time."""
+    """How many entries and events there were at a time, and how many of the times that were due had theirs."""
 
     entries: int
     events: int
+    met: int = 0
 
 
 class Recorder:
@@ -47,6 +48,8 @@ class Recorder:
         self._model = model
         self._last: Record | None = None
         self._packed, self._parts = 0, 0
+        self._due: Sequence[float] = ()
+        self._met = 0
 
     @property
     def _packs(self) -> bool:
@@ -55,12 +58,13 @@ class Recorder:
     def checkpoint(self) -> Checkpoint:
         """A mark that `rewind` returns to."""
         self._pack()
-        return Checkpoint(len(self.entries), len(self.events))
+        return Checkpoint(len(self.entries), len(self.events), self._met)
 
     def rewind(self, checkpoint: Checkpoint) -> None:
         """Deletes all that was written down after a checkpoint."""
         del self.entries[checkpoint.entries :]
         del self.events[checkpoint.events :]
+        self._met = checkpoint.met
         if self._packed > checkpoint.entries:
             self._packed, self._last = checkpoint.entries, None
 
@@ -93,6 +97,22 @@ class Recorder:
         for record, exact in zip(block, on_grid, strict=True):
             alone = record._replace(z=record.z.copy())  # the block is not kept
             self.entries.append(Entry((alone,), (exact,), (exact,)))
+
+    def expect(self, times: Sequence[float]) -> None:
+        """Sets the times of the grid [s] that come before the next stop: what advances the line records it there."""
+        self._due, self._met = times, 0
+
+    def due(self, until: float) -> Sequence[float]:
+        """Those of them up to a time [s] at which the line has not been recorded."""
+        return [time for time in self._due[self._met :] if time <= until]
+
+    def record_due(self, state: LineState) -> None:
+        """Writes down the state at the first of these times, before what happened at it and later."""
+        at = len(self.entries)
+        while at > 0 and self.entries[at - 1].record.time >= state.point.t:
+            at -= 1
+        self.entries.insert(at, Entry(recorded(state, self.pending), True, True))
+        self._met += 1
 
     def note(self, state: LineState, crossing: Crossing, what: str, time: float | None = None) -> None:
         """Writes down what happened to a load, now or at another time [s]; the event's value is the load's number on

@@ -13,10 +13,14 @@ from ropeway.systems.dynamics.chattering import ChatterGuard
 from ropeway.systems.dynamics.line_stepper import LEAST_STEP, LONGEST_STEP, LineMotion, LineStepper
 from ropeway.systems.dynamics.load_events import LoadEvents
 from ropeway.systems.dynamics.recorder import Recorder
-from ropeway.systems.solvers.drive_trajectories import Window, drives_of
+from ropeway.systems.solvers.drive_trajectories import NODES, Window, drives_of
+from ropeway.systems.statics.line_state import LineState
 
 _SHORT_WINDOW = 1e-3
 """Window [s] of the drives' motion that is not shortened where a polynomial does not follow it."""
+
+_EARLY, _INSIDE, _LATE = np.array([2, 4, 6]), np.array([4, 6, 8]), np.array([8, 10])
+"""Those of a window's points at which limits are checked: in its first half, within it, in its second half."""
 
 
 class UnforeseenError(Exception):
@@ -45,7 +49,8 @@ class SectionIntegrator:
         while np.any(window.unresolved > line.tolerance * line.state.model.x.nominals) and window.h > _SHORT_WINDOW:
             window = drives.window(line.state.point, window.h / 2.0, motion.x, slope)
         end = window.start + window.h
-        if not drives.alone(window, line.state.point, slope):
+        tangent = line.state.point.z + np.outer(NODES[_EARLY] * window.h, motion.z)
+        if not drives.alone(window, line.state.point, slope, _EARLY, tangent):
             return None
         return self.attempt(window, end, motion, stop)
 
@@ -57,8 +62,8 @@ class SectionIntegrator:
         overrun = bool(loads.overrun(line.state, set()))
         while end > begin:
             try:
-                done = self.through(window, end, motion, stop, strict=not overrun and end - begin > LEAST_STEP)
-                if done is not None:
+                done = self._recording(window, end, motion, stop, strict=not overrun and end - begin > LEAST_STEP)
+                if done is not None and self.stayed_alone(window, saved, done):
                     return done
                 end = begin
             except UnforeseenError:  # over a shorter step rates predict it
@@ -67,6 +72,34 @@ class SectionIntegrator:
             line.state = saved.copy()
             self.recorder.rewind(checkpoint)
         return None
+
+    def stayed_alone(self, window: Window, start: LineState, motion: LineMotion) -> bool:
+        """Whether no limit of a drive has been active since the window's start; `motion`: the rates now. Between the
+        two the algebraic variables are between the chord and the nearer of both tangents, of which that there has been
+        checked."""
+        line, begin, now = self.line, start.point, self.line.state.point
+        if not line.state.standing() and not drives_of(line.state.model, line.tolerance).decoupled(now):
+            return False
+        duration = max(now.t - begin.t, 1e-9)
+        inside, late = (nodes[NODES[nodes] * window.h < duration - 1e-9] for nodes in (_INSIDE, _LATE))
+        chord = begin.z + np.outer(NODES[inside] * window.h / duration, now.z - begin.z)
+        tangent = now.z + np.outer(NODES[late] * window.h - duration, motion.z)
+        which, slope = np.concatenate([inside, late]), (now.u - begin.u) / duration
+        drives = drives_of(start.model, line.tolerance)
+        return drives.alone(window, begin, slope, which, np.concatenate([chord, tangent]))
+
+    def _recording(
+        self, window: Window, end: float, motion: LineMotion, stop: float, *, strict: bool
+    ) -> LineMotion | None:
+        """As `through`, with an entry at each time of the grid before the end."""
+        found: LineMotion | None = motion
+        for time in self.recorder.due(end):
+            found = self.through(window, time, motion, stop, strict=strict)
+            if found is None or self.line.time < time:
+                return found
+            motion = found
+            self.recorder.record_due(self.line.state)
+        return self.through(window, end, motion, stop, strict=strict) if self.line.time < end else found
 
     def through(
         self, window: Window, end: float, motion: LineMotion, stop: float, *, strict: bool
@@ -105,7 +138,7 @@ class SectionIntegrator:
         motion = line.correct(self._follow(window, end, motion), stop)
         if strict and loads.overrun(line.state, set()):
             raise UnforeseenError
-        return motion if drives.decoupled(line.state.point) else None
+        return motion
 
     def _follow(self, window: Window, time: float, motion: LineMotion) -> LineMotion:
         """Takes the states from the drives' trajectories, and the algebraic variables along a straight line."""

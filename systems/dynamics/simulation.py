@@ -13,11 +13,11 @@ from ropeway.components.environment import Environment
 from ropeway.components.errors import InputError, RopewayError, SimulationError
 from ropeway.components.inertia import Inertia
 from ropeway.components.schedule import Schedule
-from ropeway.systems.dynamics.agenda import Agenda
+from ropeway.systems.dynamics.agenda import TOGETHER, Agenda, grid_times
 from ropeway.systems.dynamics.external_parts import ExternalParts
 from ropeway.systems.dynamics.inertia.inertial_stepper import InertialStepper
 from ropeway.systems.dynamics.inertia.support_zones import lose
-from ropeway.systems.dynamics.line_stepper import Signal
+from ropeway.systems.dynamics.line_stepper import LONGEST_STEP, Signal
 from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.dynamics.run_inputs import (
@@ -44,9 +44,6 @@ from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import unpin
 from ropeway.systems.statics.pending_events import Pending
-
-_TOGETHER = 100
-"""Times of the grid that the compiled core goes through in one call: a bar moves between two calls."""
 
 
 @checked
@@ -240,8 +237,11 @@ class _Simulation:
                 if self.line.time >= until:
                     return
                 continue
-            stop = min(grid, quiet)
+            stop = min(self.next_stop(grid), quiet)
+            due = grid_times(count, every, until, stop)
+            self.recorder.expect(due)
             self.external.run_to(stop)
+            count, grid = count + len(due), min((count + len(due)) * every, until)
             if self.external.ended:
                 self.record(on_grid=True)
                 return
@@ -252,26 +252,36 @@ class _Simulation:
                 self.record()
             if stop >= grid:
                 self.record(on_grid=True)
-                advance(grid)
                 if grid >= until:
                     return
                 count, grid = count + 1, min((count + 1) * every, until)
+            advance(stop)
             if self.stop_at and self.stopped():
                 return
+
+    def next_stop(self, grid: float) -> float:
+        """The next stop [s], where `grid` is the next record. A line that is integrated has stops of its own, at whole
+        seconds: a result does not depend on the interval of its records. `stop_at` and parts with events of their own
+        act at records."""
+        if self.stop_at or self.external.present or not self.stepper.integrates:
+            return grid
+        own = float(np.floor(self.line.time + 1e-9)) + LONGEST_STEP
+        return grid if abs(own - grid) <= 1e-9 else own
 
     def run_ahead(self, count: int, every: float, until: float, quiet: float) -> int | None:
         """Runs through as many stops as the line can do alone; `count` is the number of the next one on the grid, and
         nothing acts on the line before `quiet` [s]. Returns how many of the grid, None where the line has not moved."""
         if self.stop_at:
             return None
+        together = (count + TOGETHER) * every
         if isinstance(self.stepper, InertialStepper):
-            return self.stepper.run_along(_grid(count, every, until, quiet)) or None
+            return self.stepper.run_along(grid_times(count, every, until, min(quiet, together))) or None
         pending, begin = self.recorder.pending, self.line.time
         if not self.settings.compiled or (pending.stopping and not pending.emergency):
             return None  # the response of a drive that stops alone does not tick on
         last = self.interventions[0].time if self.interventions else np.inf
         ticking = not pending.emergency
-        grid = _grid(count, every, until, last)
+        grid = grid_times(count, every, until, min(last, together))
         agenda = Agenda(
             grid,
             last if last < until and (count + len(grid)) * every >= last - 1e-9 else np.inf,
@@ -381,14 +391,6 @@ class _Simulation:
             return False
         self.record()
         return True
-
-
-def _grid(count: int, every: float, until: float, before: float) -> list[float]:
-    """Some times of the grid [s] from its number `count` on, all earlier than `before`."""
-    numbers = np.arange(count, min(count + _TOGETHER, round(until / every) + 2))
-    times = np.minimum(numbers * every, until)
-    last = int(np.searchsorted(times, until)) + 1
-    return [t for t in times[:last].tolist() if t < before - 1e-9]
 
 
 @kept_with_model

@@ -7,7 +7,7 @@ variables follow section by section. Where all of them follow commands, they are
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import casadi as ca
@@ -24,11 +24,10 @@ from ropeway.systems.solvers.prescribed_states import commanded_of
 
 NODES = (1.0 - np.cos(np.pi * np.arange(13) / 12.0)) / 2.0
 """Chebyshev points on [0, 1]."""
+_COUPLED = 1e-9
+"""Least effect on a rate [per s] of an algebraic variable, changed by its nominal, that counts."""
 WEIGHTS = (-1.0) ** np.arange(13) * np.where((np.arange(13) == 0) | (np.arange(13) == 12), 0.5, 1.0)
 """Weights of the barycentric formula at these points."""
-
-_CHECKED = slice(3, None, 3)
-"""Those of them at which limits are checked."""
 
 
 def _derivative() -> np.ndarray:
@@ -122,17 +121,17 @@ class Drives:
 
     def decoupled(self, point: Point) -> bool:
         """Whether the rates of the states do not depend on the algebraic variables here."""
-        return not self.ties or float(self._coupling(*point.arguments)[0][0]) < 1e-9
+        return not self.ties or float(self._coupling(*point.arguments)[0][0]) < _COUPLED
 
-    def alone(self, window: Window, point: Point, slope: np.ndarray) -> bool:
-        """Whether no limit is active along a window from a point, for the algebraic variables of that point."""
+    def alone(self, window: Window, point: Point, slope: np.ndarray, which: np.ndarray, z: np.ndarray) -> bool:
+        """Whether no limit is active at some of the Chebyshev points of a window from a point; `z`: the algebraic
+        variables there, (count, nz)."""
         if not self.ties:
             return True
-        for share, x in zip(NODES[_CHECKED], window.values[_CHECKED], strict=True):
-            passed = share * window.h
-            if not self.decoupled(replace(point, t=point.t + passed, x=x, u=point.u + passed * slope)):
-                return False
-        return True
+        passed = NODES[which] * window.h
+        u = point.u + np.outer(passed, slope)
+        rows = zip((point.t + passed)[:, None], window.values[which], z, u, strict=True)
+        return all(float(self._coupling(*row, point.p, point.d)[0][0]) < _COUPLED for row in rows)
 
     def window(self, point: Point, h: float, rate: np.ndarray, slope: np.ndarray) -> Window:
         """The states over `h` seconds from a point with the rates of the states there [per s].

@@ -17,6 +17,8 @@ class InertialStepper:
 
     disturbed = False
     """It is solved again at once after each change."""
+    integrates = False
+    """It stops at each record."""
     line_kind: type[InertialLine] = InertialLine
 
     def __init__(
