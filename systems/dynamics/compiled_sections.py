@@ -144,7 +144,7 @@ class CompiledSections(SectionIntegrator):
                 recorder.note(state, what, loads.passing_event(state, what), time)
             else:
                 recorder.events.append(Event(time, what[0], "response", what[1]))
-        recorder.entries += records
+        recorder.add(records)
         recorder.pending = pending[-1]
         state.passed = core.passed()
         line.set_time(core.motion.time)

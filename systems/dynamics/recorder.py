@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from ropeway.systems.dynamics.load_crossings import Crossing
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.results.run_data import Event
-from ropeway.systems.statics.line_records import AnyRecord, Record, part_of, recorded
+from ropeway.systems.statics.line_records import AnyRecord, Record, alone, part_of, recorded
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.pending_events import Pending
 
@@ -69,10 +70,16 @@ class Recorder:
             self._last, self._parts = entry.record, self._parts + 1
             if entry.exact or last is None or self._parts > _PARTS:
                 self._parts = 0
+                self.entries[i] = entry._replace(record=alone(entry.record))
                 continue
             beside = self.entries[i - 1].record, self.entries[i + 1].record
             self.entries[i] = entry._replace(record=part_of(self._model, entry.record, last, *beside))
         self._packed = max(self._packed, len(self.entries) - 1)
+
+    def add(self, entries: Iterable[Entry]) -> None:
+        """Takes entries that are written down already."""
+        self.entries += entries
+        self._pack()
 
     def record(self, state: LineState, *, on_grid: bool = False, exact: bool = True) -> None:
         """Writes a state down."""
@@ -105,4 +112,5 @@ class Recorder:
     def records(self) -> tuple[AnyRecord, ...]:
         """The states."""
         self._pack()
-        return tuple(entry.record for entry in self.entries)
+        found = [entry.record for entry in self.entries]
+        return (*found[:-1], *map(alone, found[-1:]))

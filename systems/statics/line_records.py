@@ -111,6 +111,18 @@ def part_of(model: Model, record: Record, before: Record, earlier: AnyRecord, af
     )
 
 
+def alone(record: AnyRecord) -> AnyRecord:
+    """A record whose arrays are not rows of larger ones, which stay in memory as long as one of their rows."""
+    if not isinstance(record, Record):
+        return record
+
+    def own(row: np.ndarray) -> np.ndarray:
+        return row if row.base is None else row.copy()
+
+    passed = tuple(map(own, record.passed))
+    return record._replace(x=own(record.x), z=own(record.z), u=own(record.u), passed=passed)
+
+
 def _same(own: np.ndarray, other: np.ndarray) -> np.ndarray:
     """One array for both where they are equal."""
     return other if np.array_equal(own, other) else own
