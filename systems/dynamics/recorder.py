@@ -97,6 +97,7 @@ class Recorder:
         for record, exact in zip(block, on_grid, strict=True):
             alone = record._replace(z=record.z.copy())  # the block is not kept
             self.entries.append(Entry((alone,), (exact,), (exact,)))
+        self._pack()
 
     def expect(self, times: Sequence[float]) -> None:
         """Sets the times of the grid [s] that come before the next stop: what advances the line records it there."""

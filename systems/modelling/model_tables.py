@@ -70,6 +70,12 @@ class Travel:
         x[from_x] = q[in_x]
         z[from_z] = q[in_z]
 
+    def clear(self, x: np.ndarray, z: np.ndarray) -> None:
+        """Makes all travels zero."""
+        (_, in_x), (_, in_z) = self._places
+        x[in_x] = 0.0
+        z[in_z] = 0.0
+
     @cached_property
     def _places(self) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
         """Supports with a travel among the states, and its positions; the same for algebraic variables."""
@@ -119,18 +125,30 @@ class LoadSlots:
         places = self._every if spans is None else self._places(*_cells(spans, self.count[spans]))
         span, slot, mass, at, ride, empty, drag = places
         load, full, pinned = self._loads(run, passed, span, slot)
-        d[..., mass] = np.where(full, loads.mass.take(load), 0.0)
-        d[..., at] = self._at(run, load, full, pinned, start.take(span))
-        d[..., ride] = full if pinned is None else full & ~pinned
-        d[..., empty] = ~full
+        found = [
+            (mass, np.where(full, loads.mass.take(load), 0.0)),
+            (at, self._at(run, load, full, pinned, start.take(span))),
+            (ride, full if pinned is None else full & ~pinned),
+            (empty, ~full),
+        ]
         if self.drag[0] >= 0:
-            d[..., drag] = np.where(full, loads.drag.take(load), 0.0)
+            found.append((drag, np.where(full, loads.drag.take(load), 0.0)))
+        for place, values in found:
+            _put(d, place, values)
 
     def write_places(self, d: np.ndarray, run: Run, passed: np.ndarray, start: np.ndarray) -> None:
         """As `write` of all spans, where only the places of the same loads have changed."""
         if len(run.loads.place):
             span, slot, _, at, *_ = self._every
-            d[..., at] = self._at(run, *self._loads(run, passed, span, slot), start.take(span))
+            _put(d, at, self._at(run, *self._loads(run, passed, span, slot), start.take(span)))
+
+    def write_masses(self, d: np.ndarray, run: Run, passed: np.ndarray) -> None:
+        """As `write` of all spans, where only the masses of the same loads have changed."""
+        if len(run.loads.place):
+            span, slot, mass, *_ = self._every
+            load = passed.take(span, axis=-1) - 1 - slot
+            full = load >= passed.take(span + 1, axis=-1)
+            _put(d, mass, np.where(full, run.loads.mass.take(load * full), 0.0))
 
     @staticmethod
     def _loads(
@@ -147,6 +165,14 @@ class LoadSlots:
         """Places of the loads in slots, from the starts of their spans."""
         at = np.where(full, run.loads.place.take(load) - start, 0.0)
         return at if pinned is None else np.where(pinned, run.loads.at.take(load), at)
+
+
+def _put(d: np.ndarray, places: np.ndarray, values: np.ndarray) -> None:
+    """Writes values (..., places) into one or many records (..., nd)."""
+    if d.ndim == 1:
+        d[places] = values  # half the time of the other
+    else:
+        d[..., places] = values
 
 
 def _cells(spans: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -189,6 +215,12 @@ class RunLayout:
     def holds(self) -> tuple[np.ndarray, np.ndarray]:
         """Places of what says that a load stands on an idler, and of the travel that it holds there."""
         return self.held[self.held >= 0], self.held_travel[self.held_travel >= 0]
+
+    @cached_property
+    def grips(self) -> tuple[np.ndarray, np.ndarray]:
+        """Supports with a saddle's friction, and the places of its reference travels."""
+        supports = np.flatnonzero(self.grip >= 0)
+        return supports, self.grip[supports]
 
     @cached_property
     def holding(self) -> np.ndarray:

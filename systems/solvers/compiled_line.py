@@ -143,17 +143,8 @@ class PointSolver:
         self.used, self.x_rate, self.u_rate = used, np.array(x_rate), np.array(u_rate)
         self.z_rate, self._work = np.zeros(len(line.model.z)), np.zeros(line.work_size)
         self._vectors = point.vectors
-        self.point = LinePoint()
-        for name, vector in zip("xzupd", self._vectors, strict=True):
-            setattr(self.point, name, vector.ctypes.data)
-        for name, vector in (
-            ("used", used),
-            ("x_rate", self.x_rate),
-            ("u_rate", self.u_rate),
-            ("z_rate", self.z_rate),
-            ("work", self._work),
-        ):
-            setattr(self.point, name, vector.ctypes.data)
+        read = (*self._vectors, used, self.x_rate, self.u_rate, self.z_rate, self._work)
+        self.point = LinePoint(*(vector.ctypes.data for vector in read))
 
 
 @kept_with_model

@@ -7,6 +7,7 @@ equations of the whole line with their Jacobian.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 
@@ -43,6 +44,7 @@ class SectionNewton:
         self._sections, m = sections, sections.model
         places = _Places(sections, np.array([len(vector) for vector in (m.x, m.z, m.u, m.p, m.d)]))
         self._z = slice(len(m.x), len(m.x) + len(m.z))
+        self._own = threading.local()
         self._room, self._size = places.pulls, places.pulls + 3 * len(sections.form)
         self._spans = list(_span_groups(sections, used, places))
         self._supports = list(_support_groups(sections, places))
@@ -56,9 +58,8 @@ class SectionNewton:
     def solve(self, point: Point) -> None:
         """Solves in place. Raises EquilibriumError; the point is unchanged then."""
         m = self._sections.model
-        every = np.empty(self._size)
+        every, inputs = self._arrays()
         np.concatenate((*point.vectors, (0.0,)), out=every[: self._room])
-        inputs = [np.empty(places.shape) for _, _, places in (*self._spans, *self._supports)]
         scale, weight = m.z.nominals, 1.0 / m.r.nominals
 
         def residual(v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -74,9 +75,17 @@ class SectionNewton:
             found, spans, supports = residual(v)
             return found, -self._move(spans, supports) / scale
 
-        with np.errstate(all="ignore"):  # what is not a number is no root
-            v, _ = damped(point.z / scale, step, lambda v: residual(v)[0], m.r.names)
+        v, _ = damped(point.z / scale, step, lambda v: residual(v)[0], m.r.names)
         point.z[:] = v * scale
+
+    def _arrays(self) -> tuple[np.ndarray, list[np.ndarray]]:
+        """Room of this thread for all vectors of a point with the pulls behind, and for what each kernel reads."""
+        try:
+            return self._own.arrays
+        except AttributeError:
+            inputs = [np.empty(places.shape) for _, _, places in (*self._spans, *self._supports)]
+            self._own.arrays = np.empty(self._size), inputs
+            return self._own.arrays
 
     def _kernels(self, every: np.ndarray, inputs: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Results of the kernels of all spans and of the free supports, (results, components), for all vectors with

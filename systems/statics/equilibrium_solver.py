@@ -157,7 +157,6 @@ def _near(model: Model, start: Equilibrium, parameters: Mapping[str, float] | No
     undriven(state)
     if parameters:
         state.set(parameters)
-        state.write_slots()
     return state
 
 

@@ -180,11 +180,12 @@ class LineState:
                 place = np.where(loads.pinned >= 0, rope[np.maximum(loads.pinned, 0)] + loads.at, place)
             self.runs[r] = run.carrying(place=place - rope[0])
             self.point.p[layout.length_start] = rope[1:] - rope[:-1]
-            friction = layout.grip >= 0
-            self.point.p[layout.grip[friction]] -= layout.travel.read(self.point.x, self.point.z)[friction]
-            layout.travel.write(np.zeros(len(rope)), self.point.x, self.point.z)
+            gripped, grip = layout.grips
+            if len(grip):
+                self.point.p[grip] -= layout.travel.read(self.point.x, self.point.z)[gripped]
+            layout.travel.clear(self.point.x, self.point.z)
             held, held_travel = layout.holds
-            d[held_travel] *= 1.0 - d[held]
+            d[held_travel] *= 1.0 - d.take(held)
             layout.slots.write_places(d, self.runs[r], self.passed[r], layout.start(self.point.p))
 
     def require_rope(self, remedy: str) -> None:
@@ -200,7 +201,8 @@ class LineState:
         return find(self.model, self.runs, self.passed, name)
 
     def set(self, values: Mapping[str, float]) -> None:
-        """Sets parameters, inputs, drives' states and masses of loads. Raises InputError."""
+        """Sets parameters, inputs, drives' states and masses of loads, and writes the slots that change. Raises
+        InputError."""
         names, numbers = tuple(values), np.fromiter(values.values(), float, len(values))
         settings = _settings_of(self.model)(names, tuple(run.loads.names for run in self.runs))
         if (wrong := settings.refused(numbers)) is not None:
@@ -211,6 +213,11 @@ class LineState:
             mass = self.runs[r].loads.mass.copy()
             mass[places] = numbers[which]
             self.runs[r] = self.runs[r].carrying(mass=mass)
+        if settings.entries:
+            self.write_slots()
+            return
+        for r, _, _ in settings.masses:
+            self.model.layouts[r].slots.write_masses(self.point.d, self.runs[r], self.passed[r])
 
     def _refuse(self, name: str, value: float) -> None:
         """Raises InputError for a value that cannot be set."""

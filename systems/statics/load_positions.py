@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ropeway.components.errors import EquilibriumError
-from ropeway.systems.modelling.rope_path import Loads, extended, loads_passed, rounds
+from ropeway.systems.modelling.rope_path import Loads, Run, extended, loads_passed, rounds
 from ropeway.systems.statics.line_state import LineState
 
 
@@ -26,6 +26,8 @@ def assign_loads(state: LineState) -> bool:
         run = state.runs[r]
         # A load that stands on a support to rounding stays where it is.
         near = 1e-10 * (1.0 + np.abs(rope))
+        if _stay(run, state.passed[r], rope, near):
+            continue
         least, most = loads_passed(run, np.array([rope + near, rope - near]))
         beyond = np.minimum(np.maximum(state.passed[r], least), most)
         if run.around:
@@ -36,6 +38,17 @@ def assign_loads(state: LineState) -> bool:
     if moved:
         state.write_slots()
     return not moved
+
+
+def _stay(run: Run, passed: np.ndarray, rope: np.ndarray, near: np.ndarray) -> bool:
+    """Whether all loads are seen at once to be in their spans: the last load that has passed a support is beyond it,
+    the next one is not."""
+    if run.loads.pins or run.around:
+        return False
+    inner = slice(None) if run.feed is not None else slice(1, -1)
+    place = np.concatenate(((np.inf,), run.loads.place, (-np.inf,)))
+    last, after = place.take(passed[inner]), place.take(passed[inner] + 1)
+    return bool(((last > (rope - near)[inner]) & (after <= (rope + near)[inner])).all())
 
 
 def take_more(state: LineState, r: int) -> None:

@@ -154,21 +154,18 @@ def certified_variants(
 ) -> np.ndarray:
     """Which of many states of a line, each with loads of other `masses` (states, loads) in each run, hold every check,
     also that of the ropes' breaking load, (states,). `passed` as in `certify`, the same in all states."""
-    values = states.values  # no frame
-    good, left = np.zeros(len(values), dtype=bool), [np.arange(len(values))] if len(values) else []
-    size = _batch_size(layout_of(model))
+    good, size = np.zeros(len(states), dtype=bool), _batch_size(layout_of(model))
+    left = [slice(a, min(a + size, len(good))) for a in range(0, len(good), size)]
+    beyond = [p[None] for p in passed]
     while left:
-        which = left.pop()
-        if len(which) > size:
-            left += np.array_split(which, -(-len(which) // size))
-            continue
-        beyond = [np.repeat(p[None], len(which), axis=0) for p in passed]
-        own, rows = [mass[which] for mass in masses], values if len(which) == len(values) else values[which]
-        checks = _checks(model, rows, StateRows(model, rows), runs, beyond, (), (), own)
+        part = left.pop()
+        rows = StateRows(model, states.values[part])
+        checks = _checks(model, rows.values, rows, runs, beyond, (), (), [mass[part] for mass in masses])
         if all(check.holds for check in checks):
-            good[which] = True
-        elif len(which) > 1:
-            left += np.array_split(which, 2)
+            good[part] = True
+        elif len(rows) > 1:
+            middle = (part.start + part.stop) // 2
+            left += [slice(part.start, middle), slice(middle, part.stop)]
     return good
 
 
@@ -282,8 +279,9 @@ def _span_checks(
     if loads is not None:
         checks += _load_checks(layout, values, spans, loads)
     if rope:
-        missing = np.abs(np.add.reduceat(spans.whole, places.runs[:-1], axis=1) - rope) / np.asarray(rope)
-        missing[:, np.isnan(rope)] = 0.0
+        wanted = np.asarray(rope)
+        missing = np.abs(np.add.reduceat(spans.whole, places.runs[:-1], axis=1) - wanted) / wanted
+        missing[:, np.isnan(wanted)] = 0.0
         checks.append(_worst(ROPE_SUM, missing, ROPE, [places.names[a] for a in places.runs[:-1]]))
     return checks
 

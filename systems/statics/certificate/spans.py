@@ -107,8 +107,8 @@ def hung(
     weather: bool = False,
 ) -> LoadsInSpans | None:
     """Loads of `runs` where their own places on the rope put them; `passed`: for each run the loads beyond each
-    support, (records, supports); `masses`: for each run other masses in each record (records, loads). As many slots as
-    the fullest span needs; None where there is no load."""
+    support, (records, supports), or the same in all (1, supports); `masses`: for each run other masses in each record
+    (records, loads). As many slots as the fullest span needs; None where there is no load."""
     slots = places.slots_of(passed)
     most = slots.there.shape[1]
     if most == 0:
@@ -130,7 +130,7 @@ def hung(
             pinned = loads.pinned.take(load)
             at = np.where(pinned >= 0, loads.at.take(load), at)
             astray = (full & (pinned >= 0) & (pinned != np.arange(own.stop - own.start))).any(axis=1)
-            lost = lost.copy()
+            lost = lost | np.zeros((len(astray), 1), dtype=bool)
             lost[:, own] |= astray
         np.copyto(distance[:, :, own], at, where=full)
         if drag is not None:
@@ -140,7 +140,7 @@ def hung(
         else:
             record = np.arange(len(values))[:, None, None]
             np.multiply(masses[r][record, load], full, out=mass[:, :, own])
-    return LoadsInSpans(distance, mass, slots.there, lost, drag)
+    return LoadsInSpans(distance, mass, slots.there, np.broadcast_to(lost, spans.length.shape), drag)
 
 
 class Shape(NamedTuple):

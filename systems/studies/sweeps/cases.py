@@ -107,12 +107,18 @@ def table_of(
         cases = pd.DataFrame(list(product(*parameters.values())), columns=list(parameters))
     if cases.empty or cases.columns.has_duplicates:
         raise InputError("The sweep has no cases, or two parameters of one name", "Give each parameter its values")
-    cases = pd.concat([_in_unit(cases.iloc[:, i], unit_of) for i in range(cases.shape[1])], axis=1)
+    if not all(map(_is_plain, cases.columns, cases.dtypes)):
+        cases = pd.concat([_in_unit(cases.iloc[:, i], unit_of) for i in range(cases.shape[1])], axis=1)
     if cases.columns.has_duplicates:
         raise InputError(
             f"Two parameters are named {cases.columns[cases.columns.duplicated()][0]!r}", "Give each parameter once"
         )
     return cases.rename_axis("case")
+
+
+def _is_plain(name: Any, kind: Any) -> bool:
+    """Whether a column has its parameter's name, and real numbers: it stays as it is."""
+    return isinstance(name, str) and not name_and_unit(name)[1] and kind.kind in "biuf"
 
 
 def _in_unit(column: pd.Series, unit_of: Units) -> pd.Series:

@@ -62,18 +62,29 @@ class FoundRows:
         """The cases that have been found, with what they came to."""
         there = [i for i in cases.index if i in self._cases]
         parts = [pd.DataFrame(list(self._named.values()), index=list(self._named))] if self._named else []
-        parts += [_frame(numbers, rows) for numbers, rows in self._numbers]
-        found = pd.concat(parts).loc[there] if parts else pd.DataFrame(columns=list(FAILURE))
-        table = pd.concat([cases.loc[there], found], axis=1)
-        table = table[[c for c in table.columns if c not in FAILURE] + list(FAILURE)]
+        parts += [_frame(self._numbers)] if self._numbers else []
+        found = pd.concat(parts) if len(parts) > 1 else parts[0] if parts else pd.DataFrame(columns=list(FAILURE))
+        table = pd.concat([_rows(cases, there), _rows(found, there)], axis=1)
+        order = [c for c in table.columns if c not in FAILURE] + list(FAILURE)
+        if list(table.columns) != order:
+            table = table[order]
         table.attrs["units"] = Labels(units)
         return table
 
 
-def _frame(cases: Sequence[int], rows: NumberRows) -> pd.DataFrame:
+def _rows(frame: pd.DataFrame, wanted: list[int]) -> pd.DataFrame:
+    """Rows of a frame by their numbers; the frame itself where these are all, in order."""
+    return frame if frame.index.tolist() == wanted else frame.loc[wanted]
+
+
+def _frame(parts: Sequence[tuple[Sequence[int], NumberRows]]) -> pd.DataFrame:
+    """Rows of numbers with their failures."""
+    numbers = np.concatenate([rows.numbers for _, rows in parts])
+    failures = [rows.failures.get(i) for _, rows in parts for i in range(len(rows.numbers))]
     # What all cases failed to find is no column.
-    columns = [] if len(rows.failures) == len(rows.numbers) else list(rows.columns)
-    frame = pd.DataFrame(rows.numbers[:, : len(columns)], index=list(cases), columns=columns)
+    columns = list(parts[0][1].columns) if None in failures else []
+    index = [case for cases, _ in parts for case in cases]
+    frame = pd.DataFrame(numbers[:, : len(columns)], index=index, columns=columns)
     for k, name in enumerate(FAILURE):
-        frame[name] = [rows.failures[i][k] if i in rows.failures else "" for i in range(len(rows.numbers))]
+        frame[name] = ["" if failure is None else failure[k] for failure in failures]
     return frame
