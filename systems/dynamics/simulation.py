@@ -45,7 +45,7 @@ from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import unpin
 from ropeway.systems.statics.pending_events import Pending
 
-_TOGETHER = 100
+_TOGETHER = 600
 """Times of the grid that the compiled core goes through in one call: a bar moves between two calls."""
 
 
