@@ -62,8 +62,8 @@ class RecordBlock(Sequence[Record]):
 
     def rows(self, which: np.ndarray) -> RecordRows:
         """Records of numbers `which`."""
-        own = (values[which] for values in (self.time, self.x, self.z, self.u, self.passed))
-        return RecordRows(*own, self.kept[self.epoch[which]])
+        x, z, u, passed = (values[which] for values in (self.x, self.z, self.u, self.passed))
+        return RecordRows(self.time[which], x, z, u, passed, self.kept[self.epoch[which]])
 
 
 class Records(Sequence[AnyRecord]):
@@ -123,8 +123,7 @@ class Records(Sequence[AnyRecord]):
 def _rows(records: Sequence[AnyRecord]) -> RecordRows:
     """Records that stand alone, as rows."""
     passed = [np.concatenate(record.passed) if record.passed else np.zeros(0, dtype=int) for record in records]
-    own = (np.array([getattr(record, name) for record in records]) for name in ("x", "z", "u", "kept"))
-    x, z, u, kept = own
+    x, z, u, kept = (np.array([getattr(record, name) for record in records]) for name in ("x", "z", "u", "kept"))
     return RecordRows(np.array([record.time for record in records]), x, z, u, np.array(passed), kept)
 
 
