@@ -10,7 +10,7 @@ import numpy as np
 
 from ropeway.systems.statics.pending_events import Pending
 
-TOGETHER = 100
+TOGETHER = 600
 """Times of the grid that the compiled core goes through in one call: a bar moves between two calls."""
 
 

@@ -51,17 +51,17 @@ class CoreMotion:
         self._loads = [run.loads for run in state.runs]
         sizes = [len(run.nodes) for run in state.runs]
         self._nodes, self._first = np.cumsum(sizes)[:-1], np.repeat([own.first for own in self._loads], sizes)
-        most = int(np.clip(_NUMBERS // (tables.nx + tables.nz + tables.supports), 64, 512))
+        most = int(np.clip(_NUMBERS // (tables.nx + tables.nz + tables.supports), 64, 1024))
         drives = compiled_drives(model)
         self.drives = None if drives is None else drives.filled()
         members = sum(len(clock.members) for clock in model.clocks)
         self.events = (core.CrossingEvent * (4 * most + 64))()
         self.responses = (core.ResponseEvent * (4 * most + members))()
-        self._time, self._grid, self._epoch = np.zeros(most), np.zeros(most, np.int32), np.zeros(most, np.int32)
-        self._x, self._z = np.zeros((most, tables.nx)), np.zeros((most, tables.nz))
-        self._u, self._beyond = np.zeros((most, tables.nu)), np.zeros((most, tables.supports), np.int64)
+        self._time, self._grid, self._epoch = np.empty(most), np.empty(most, np.int32), np.empty(most, np.int32)
+        self._x, self._z = np.empty((most, tables.nx)), np.empty((most, tables.nz))
+        self._u, self._beyond = np.empty((most, tables.nu)), np.empty((most, tables.supports), np.int64)
         self._passed = np.zeros(tables.supports, np.int64)
-        self._kept, self._ticks = np.zeros((_EPOCHS, len(model.kept))), np.zeros((_EPOCHS, len(model.clocks)), np.int64)
+        self._kept, self._ticks = np.empty((_EPOCHS, len(model.kept))), np.empty((_EPOCHS, len(model.clocks)), np.int64)
         pull, wind = _forces(state)
         fixed = {
             "nodes": NODES,

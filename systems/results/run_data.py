@@ -30,11 +30,11 @@ from ropeway.systems.statics.certificate.checks import Certificate
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_records import restored
 from ropeway.systems.statics.line_state import LineState
-from ropeway.systems.statics.record_blocks import RecordRows, Records, restored_rows
+from ropeway.systems.statics.record_blocks import RecordRows, Records, RowRestorer
 
 _SLACK = "slack rope"
-_BATCH = 192
-"""Number of records that are restored together."""
+_BATCH = 150_000
+"""Approximate number of values of the records that are restored together: more take memory and save no time."""
 _KEPT = 50_000_000
 """Most numbers of outputs at all records that events are found from at once; the frames keep theirs."""
 
@@ -128,14 +128,22 @@ class RunData(Tabular):
         record that fails."""
         _ = self._exact_checks
 
+    @property
+    def _together(self) -> int:
+        """Number of records that are restored together."""
+        m = self.model
+        return max(1, _BATCH // max(1, sum(map(len, (m.x, m.z, m.u, m.p, m.d)))))
+
     def _batches(self, which: np.ndarray) -> Iterator[StateRows]:
-        """The solved states of records `which`, in batches."""
-        for first in range(0, len(which), _BATCH):
-            part = which[first : first + _BATCH]
-            records = self.records.rows(part)
-            rows = restored_rows(self.model, self.runs, self.parameters, records, compiled=self._in_core)
-            left = np.flatnonzero(~self.exact[part])
-            if self._in_core:
+        """The solved states of records `which`, in batches, each of which lasts until the next one."""
+        if not len(which):
+            return
+        most = min(self._together, len(which))
+        restorer = RowRestorer(self.model, self.runs, self.parameters, most, compiled=self._in_core)
+        for first in range(0, len(which), most):
+            part = which[first : first + most]
+            rows, left = restorer.rows(self.records.rows(part)), np.flatnonzero(~self.exact[part])
+            if self._in_core and len(left):
                 left = solve_rows(self.model, rows, left)
             solve_points(self.model, [rows[i] for i in left.tolist()])
             yield rows
@@ -276,8 +284,8 @@ class RunData(Tabular):
         if "_solved" in self.__dict__ or count * len(self.model.y) <= _KEPT:
             yield self.outputs
             return
-        for first in range(0, count, _BATCH):
-            yield self._evaluated(np.arange(first, min(first + _BATCH, count)))[0]
+        for first in range(0, count, self._together):
+            yield self._evaluated(np.arange(first, min(first + self._together, count)))[0]
 
     @property
     def slack_time(self) -> float:

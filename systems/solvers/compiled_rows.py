@@ -35,18 +35,22 @@ def load_tables(model: Model, runs: Sequence[Run], p: np.ndarray) -> dict[str, n
     }
 
 
-def write_slots(model: Model, runs: Sequence[Run], p: np.ndarray, d: np.ndarray, passed: Sequence[np.ndarray]) -> None:
-    """Writes loads into the slots of the discrete variables of many states `d` (states, nd), which may be a part of
-    rows; `passed` of each run (states, supports). No load is pinned, and all have a slot."""
-    line, empty = compiled_line(model), np.zeros(0)
-    beyond = np.ascontiguousarray(np.hstack(passed), dtype=np.int64)
-    motion = Filled(Motion(), load_tables(model, runs, p))
-    solver = PointSolver(
-        line, Point(empty, empty, empty, p, d[0]), np.zeros(len(line.section_of), np.int64), empty, empty
-    )
-    call, tables, stride = line.core.rs_write_rows, ctypes.byref(line.tables), d.strides[0] // d.itemsize
-    where = ctypes.byref(solver.point)
-    call(tables, where, motion.address, d.ctypes.data, stride, beyond.ctypes.data, len(d))
+class SlotWriter:
+    """Writes the loads of some runs into the slots of states. No load is pinned, and all have a slot."""
+
+    def __init__(self, model: Model, runs: Sequence[Run], p: np.ndarray) -> None:
+        line, empty = compiled_line(model), np.zeros(0)
+        self._motion = Filled(Motion(), load_tables(model, runs, p))
+        point = Point(empty, empty, empty, p, empty)
+        self._solver = PointSolver(line, point, np.zeros(len(line.section_of), np.int64), empty, empty)
+        self._tables, self._call = line.tables, line.core.rs_write_rows
+
+    def write(self, d: np.ndarray, passed: np.ndarray) -> None:
+        """Writes into the discrete variables `d` (states, nd), which may be a part of rows; `passed`: loads that have
+        passed the supports of all runs, (states, supports)."""
+        beyond, stride = np.ascontiguousarray(passed, dtype=np.int64), d.strides[0] // d.itemsize
+        tables, where = ctypes.byref(self._tables), ctypes.byref(self._solver.point)
+        self._call(tables, where, self._motion.address, d.ctypes.data, stride, beyond.ctypes.data, len(d))
 
 
 def solve_rows(model: Model, rows: StateRows, which: np.ndarray) -> np.ndarray:

@@ -13,8 +13,8 @@ from ropeway.systems.solvers.points import VECTORS, Point, Vectors
 
 class StateRows(Sequence[Point]):
     """Many states: `values` has their vectors and a zero behind them (states, all + 1), `time` (states,) [s], `passed`
-    for each run the loads passed at its supports (states, supports). As a sequence it has their points, which are
-    views."""
+    for each run the loads passed at its supports (states, supports), `alike` whether all have the same parameters. As a
+    sequence it has their points, which are views."""
 
     def __init__(
         self,
@@ -22,8 +22,10 @@ class StateRows(Sequence[Point]):
         values: np.ndarray,
         time: np.ndarray | None = None,
         passed: Sequence[np.ndarray] = (),
+        *,
+        alike: bool = False,
     ) -> None:
-        self.values, self.passed, self._model = values, passed, model
+        self.values, self.passed, self.alike, self._model = values, passed, alike, model
         self.time = np.zeros(len(values)) if time is None else time
         self._ends = np.cumsum([len(model.tables[kind]) for kind in VECTORS])
 
@@ -57,4 +59,5 @@ class StateRows(Sequence[Point]):
         """Some of the states, by their numbers or by booleans; copied, unless all are meant."""
         if which.dtype == bool and which.all():
             return self
-        return StateRows(self._model, self.values[which], self.time[which], [p[which] for p in self.passed])
+        passed = [p[which] for p in self.passed]
+        return StateRows(self._model, self.values[which], self.time[which], passed, alike=self.alike)

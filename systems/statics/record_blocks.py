@@ -11,7 +11,7 @@ import numpy as np
 
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
-from ropeway.systems.solvers.compiled_rows import write_slots
+from ropeway.systems.solvers.compiled_rows import SlotWriter
 from ropeway.systems.solvers.state_rows import StateRows
 from ropeway.systems.statics.line_records import AnyRecord, Record
 from ropeway.systems.statics.pending_events import Pending
@@ -123,29 +123,34 @@ class Records(Sequence[AnyRecord]):
 def _rows(records: Sequence[AnyRecord]) -> RecordRows:
     """Records that stand alone, as rows."""
     passed = [np.concatenate(record.passed) if record.passed else np.zeros(0, dtype=int) for record in records]
-    own = (np.array([getattr(record, name) for record in records]) for name in ("x", "z", "u", "kept"))
-    x, z, u, kept = own
+    x, z, u, kept = (np.array([getattr(record, name) for record in records]) for name in ("x", "z", "u", "kept"))
     return RecordRows(np.array([record.time for record in records]), x, z, u, np.array(passed), kept)
 
 
-def restored_rows(
-    model: Model, runs: Sequence[Run], p: np.ndarray, records: RecordRows, *, compiled: bool = False
-) -> StateRows:
-    """The states of many records, as `restored` makes them one by one; none may have more loads in a span than the
+class RowRestorer:
+    """Restores records as `restored` does, many at once, at most `most`; none may have more loads in a span than the
     model has slots. compiled: in compiled code."""
-    ends = np.cumsum([len(model.x), len(model.z), len(model.u), len(model.p), len(model.d)])
-    values = np.empty((len(records.time), int(ends[-1]) + 1))
-    x, z, u, parameters, d, _ = np.split(values, ends, axis=1)
-    x[:], z[:], u[:] = records.x, records.z, records.u
-    parameters[:], values[:, -1], d[:] = p, 0.0, model.d.values
-    d[:, model.kept] = records.kept
-    nodes = np.cumsum([len(run.nodes) for run in runs])[:-1]
-    passed = [
-        beyond - run.loads.first for beyond, run in zip(np.split(records.passed, nodes, axis=1), runs, strict=False)
-    ]
-    if compiled:
-        write_slots(model, runs, p, d, passed)
-    else:
-        for run, layout, beyond in zip(runs, model.layouts, passed, strict=True):
-            layout.slots.write(d, run, beyond, layout.start(p))
-    return StateRows(model, values, records.time, passed)
+
+    def __init__(self, model: Model, runs: Sequence[Run], p: np.ndarray, most: int, *, compiled: bool = False) -> None:
+        self._model, self._runs, self._p = model, runs, p
+        self._ends = np.cumsum([len(model.x), len(model.z), len(model.u), len(model.p), len(model.d)])
+        self._nodes = np.cumsum([len(run.nodes) for run in runs])[:-1]
+        self._values = np.empty((most, int(self._ends[-1]) + 1))
+        parameters, d, none = np.split(self._values[:, self._ends[2] :], self._ends[3:] - self._ends[2], axis=1)
+        parameters[:], d[:], none[:] = p, model.d.values, 0.0
+        self._writer = SlotWriter(model, runs, p) if compiled else None
+
+    def rows(self, records: RecordRows) -> StateRows:
+        """The states of some records, which last until the next call."""
+        values, own = self._values[: len(records.time)], self._ends
+        values[:, : own[0]], values[:, own[0] : own[1]], values[:, own[1] : own[2]] = records.x, records.z, records.u
+        d = values[:, own[3] : own[4]]
+        d[:, self._model.kept] = records.kept
+        parts = np.split(records.passed, self._nodes, axis=1) if len(self._nodes) else [records.passed]
+        passed = [beyond - run.loads.first for beyond, run in zip(parts, self._runs, strict=False)]
+        if self._writer is not None:
+            self._writer.write(d, np.hstack(passed) if len(passed) > 1 else passed[0])
+        else:
+            for run, layout, beyond in zip(self._runs, self._model.layouts, passed, strict=True):
+                layout.slots.write(d, run, beyond, layout.start(self._p))
+        return StateRows(self._model, values, records.time, passed, alike=True)

@@ -133,7 +133,7 @@ def certify_rows(model: Model, runs: Sequence[Run], batches: Iterable[StateRows]
             part = slice(a, a + size)
             values = rows.values[part]  # no frame
             passed = [beyond[part] for beyond in rows.passed]
-            points = StateRows(model, values, rows.time[part])
+            points = StateRows(model, values, rows.time[part], alike=rows.alike)
             checks = _checks(model, values, points, runs, passed, (), ())
             found += [check._replace(record=check.record + first + a) for check in checks]
         first += len(rows)
@@ -191,7 +191,9 @@ def _checks(
     gravity = values[:, places.gravity, None]
     with np.errstate(all="ignore"):  # what is not a number fails its check
         if places.names:
-            spans = read_spans(places, values, gravity)
+            fixed = layout.plain and layout.weather is None  # spans end at points that are parameters
+            alike = fixed and isinstance(points, StateRows) and points.alike
+            spans = read_spans(places, values, gravity, alike=alike)
             loads = hung(places, values, spans, runs, passed, masses, weather=layout.weather is not None)
             found, ends = shape_of(layout, values, spans, loads, gravity)
             checks += _span_checks(layout, values, spans, loads, found, rope)

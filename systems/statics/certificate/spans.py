@@ -42,13 +42,19 @@ class Spans(NamedTuple):
     travel_a: np.ndarray
 
 
-def read_spans(places: SpanPlaces, values: np.ndarray, gravity: np.ndarray) -> Spans:
-    """Spans out of values (records, all)."""
-    found = values.take(places.read, axis=1)
+def read_spans(places: SpanPlaces, values: np.ndarray, gravity: np.ndarray, *, alike: bool = False) -> Spans:
+    """Spans out of values (records, all). alike: all but forces and travels is the same in all records; then what
+    follows from that alone has one record."""
     n, m = len(SPAN), len(SPAN) + len(ENDS)
-    force, end_a, end_b = found[:, :3], found[:, n : n + 4], found[:, m : m + 4]
-    whole = found[:, 3] + end_a[:, 0] - end_b[:, 0]
-    travel_a, length, a, b = end_a[:, 0], whole, end_a[:, 1:], end_b[:, 1:]
+    if alike and not places.shoes:
+        found, gravity = values[:1].take(places.read, axis=1), gravity[:1]
+        varied = values.take(places.read[[0, 1, 2, n, m]], axis=1)
+        force, travel_a, travel_b = varied[:, :3], varied[:, 3], varied[:, 4]
+    else:
+        found = values.take(places.read, axis=1)
+        force, travel_a, travel_b = found[:, :3], found[:, n], found[:, m]
+    whole = found[:, 3] + travel_a - travel_b
+    length, a, b = whole, found[:, n + 1 : n + 4], found[:, m + 1 : m + 4]
     if places.shoes:
         aside_a, aside_b = found[:, n + 4 : n + 7], found[:, m + 4 : m + 7]
         travel_a, length = travel_a + aside_a[:, 0], length + aside_a[:, 0] - aside_b[:, 0]
@@ -184,7 +190,7 @@ def shape(spans: Spans, loads: LoadsInSpans | None, gravity: np.ndarray) -> Shap
         c2 = spans.c2[:, None]
         across = across + c2 * (piece / 4.0 * (total + both * both / total) + h2 * angle / 2.0)
         lift = lift + c2 * (total * total - tension[0] * tension[1]) / (3.0 * total)
-    reach = np.empty(spans.way.shape)
+    reach = np.empty((records, 3, count))
     np.multiply(spans.force[:, :2], across.sum(axis=1)[:, None], out=reach[:, :2])
     (piece * both * lift).sum(axis=1, out=reach[:, 2])
     return Shape(reach, vertical, tension, piece, angle)

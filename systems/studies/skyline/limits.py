@@ -79,10 +79,12 @@ _ALIKE = 1e-9
 
 
 class LeastMargin(NamedTuple):
-    """The limit with the smallest margin in a state, and that margin."""
+    """The limit with the smallest margin in a state, and that margin. `margins`: of all limits by name; of the ropes'
+    clearance only where it can be the smallest."""
 
     limit: str
     margin: float
+    margins: Mapping[str, float]
 
 
 class Margins:
@@ -99,7 +101,8 @@ class Margins:
         if ROPE_CLEARANCE in self.of and self._rope_may_limit(solved, least):
             margins[ROPE_CLEARANCE] = self.of[ROPE_CLEARANCE](solved)
             least = min(least, margins[ROPE_CLEARANCE])
-        return LeastMargin(next(name for name, margin in margins.items() if margin <= least + _ALIKE), least)
+        first = next(name for name, margin in margins.items() if margin <= least + _ALIKE)
+        return LeastMargin(first, least, margins)
 
     def _rope_may_limit(self, solved: Solved, least: float) -> bool:
         """Whether the skyline's clearance can be the smallest margin."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from functools import cache
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -25,6 +27,9 @@ MOST = 1e7
 _ZERO = 1e-10
 """Margin that counts as zero: the search ends there without closing its bracket."""
 
+_GUESSES = 6
+"""Most guesses before the bracket is closed safely."""
+
 _EXACT = 1e-7
 """Largest final margin of a continuous margin function."""
 
@@ -41,12 +46,13 @@ _FIRST = 1000.0
 
 
 class Trial(NamedTuple):
-    """A tried payload: the limit with the smallest margin, the solved state and that margin; None without an
-    equilibrium."""
+    """A tried payload: the limit with the smallest margin, the solved state and that margin, None without an
+    equilibrium; the `margins` of all limits that have been evaluated."""
 
     limit: str
     solved: Solved | None = None
     margin: float | None = None
+    margins: Mapping[str, float] = MappingProxyType({})
 
     @property
     def within(self) -> bool:
@@ -182,8 +188,7 @@ class PayloadSearch:
             return 0.0, empty._replace(limit="does not run out by gravity")
         high = max(_FIRST, 2.0 * low)
         while trial(high).within:
-            before, now = trial(low).ordinate, trial(high).ordinate
-            step = (high - low) * now / max(before - now, 1e-9)
+            step = (high - low) * _steps_left(trial(low).margins, trial(high).margins)
             low, high = high, high + min(max(1.1 * step, 0.1 * high), 3.0 * high)
             if high > MOST:
                 return low, tried[low]._replace(limit="nothing")
@@ -205,6 +210,7 @@ class PayloadSearch:
             value = trial(mass).ordinate
             return value if abs(value) > _ZERO else 0.0
 
+        low, high = _narrowed(trial, tried, low, high)
         mass = float(brentq(ordinate, low, high, xtol=1e-7, rtol=1e-11))
         if abs(trial(mass).ordinate) <= _EXACT:
             return mass, tried[mass]
@@ -229,5 +235,41 @@ class PayloadSearch:
             return Trial(error.limit)
         except EquilibriumError:
             return Trial(NO_EQUILIBRIUM)
-        limit, margin = self.margins.least(solved)
-        return Trial(limit, solved, margin)
+        limit, margin, margins = self.margins.least(solved)
+        return Trial(limit, solved, margin, margins)
+
+
+def _steps_left(before: Mapping[str, float], now: Mapping[str, float]) -> float:
+    """How many more steps like the last lead to a limit, by each limit's own margin."""
+    falling = ((margin, before[name] - margin) for name, margin in now.items() if name in before)
+    return min((margin / max(fall, 1e-9) for margin, fall in falling), default=np.inf)
+
+
+def _narrowed(
+    trial: Callable[[float], Trial], tried: Mapping[float, Trial], low: float, high: float
+) -> tuple[float, float]:
+    """A bracket narrowed by guesses: margins of single limits are smooth where the smallest of all has kinks."""
+    for _ in range(_GUESSES):
+        mass = _guess(tried, low, high)
+        if not low < mass < high:
+            break
+        found = trial(mass)
+        low, high = (mass, high) if found.within else (low, mass)
+        if abs(found.ordinate) <= _ZERO:
+            break
+    return low, high
+
+
+def _guess(tried: Mapping[float, Trial], low: float, high: float) -> float:
+    """The least payload at which one of the limits that are exceeded at `high` is reached, by inverse interpolation
+    through its three smallest margins so far; NaN without one."""
+    roots = []
+    for name, over in tried[high].margins.items():
+        if over < 0.0:
+            known = [(trial.margins[name], mass) for mass, trial in tried.items() if name in trial.margins]
+            margins, masses = np.array(sorted(known, key=lambda point: abs(point[0]))[:3]).T
+            away = margins - margins[:, None]
+            np.fill_diagonal(away, 1.0)
+            share = np.where(np.eye(len(margins), dtype=bool), 1.0, margins / away).prod(axis=1)
+            roots.append(float(share @ masses))
+    return min(roots, default=np.nan)
