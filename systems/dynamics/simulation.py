@@ -72,7 +72,8 @@ def simulate(
     until : float
         End of the run [s].
     every : float, default 1.0
-        Interval of the result's frame [s].
+        Interval of the result's frame [s]. Peaks and exceeded limits are those of its rows: with inertia, 0.05 s shows
+        a peak to about 0.1 %, 0.5 s can miss it.
     inputs : mapping of str to float or Schedule, optional
         A signal for each input without one of its own, or in place of a component's own (`{"c1.speed": 1.02}`).
     start : Equilibrium, optional

@@ -137,6 +137,8 @@ ENGLISH: Mapping[str, str] = {
     "clamp on the carriage would hold it there",
     "not_hauled_without": "Not hauled at {failed} of {count} stations ({first} to {last}): the mainline would have to "
     "push; a haulback of {haulback} would do, or a clamp on the carriage would hold it there",
+    "under_ground": "Load or rope are under the ground at {failed} of {count} stations ({first} to {last}), by up to "
+    "{depth}: ask for a clearance",
     "bare_under_ground": "The bare rope is {height} under the ground at station {station}: give it more tension, "
     "higher spars or a support there",
     "with_payload": "with {payload}",

@@ -220,7 +220,7 @@ def _mark(study: Study) -> bytes:
 
 def _require_numbers(cases: pd.DataFrame) -> None:
     for name, kind in cases.dtypes.items():
-        if not pd.api.types.is_numeric_dtype(kind):
+        if not pd.api.types.is_numeric_dtype(kind) or pd.api.types.is_bool_dtype(kind):
             raise InputError(f"Parameter {name!r} of the line is not a number in every case", "Give numbers")
 
 

@@ -20,6 +20,7 @@ from ropeway.systems.studies.skyline.payload.remarks import (
     haulback_that_hauls,
     not_hauled,
     remarks,
+    under_ground,
 )
 
 
@@ -59,12 +60,14 @@ class PayloadData(Tabular):
 
     @cached_property
     def remarks(self) -> list[str]:
-        """Remarks on the payload: stations at which it is not hauled, a rope below the ground."""
+        """Remarks on the payload: stations at which it is not hauled; the bare rope, or where no clearance is asked the
+        load or its rope, below the ground."""
         return self.remarks_in(Style())
 
     def remarks_in(self, style: Style) -> list[str]:
         """The remarks in a report's words and units."""
-        return remarks(self.not_hauled, len(self.frame), self.haulback_needed, self.bare_rope, style)
+        under = under_ground(self.frame if self.clearance is None else self.frame[:0])
+        return remarks(self.not_hauled, len(self.frame), self.haulback_needed, self.bare_rope, under, style)
 
     @cached_property
     def limiting(self) -> pd.Series[Any]:

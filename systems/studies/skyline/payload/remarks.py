@@ -16,6 +16,9 @@ from ropeway.systems.rigs.rig_kind import STANDING
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.station_solver import Stations
 
+_TOUCHING = 1e-3
+"""Depth of a log that drags, by rounding, at most [m]."""
+
 
 class BareRope(NamedTuple):
     """Point of the bare skyline nearest to the ground: station [m], and height over the ground [m], negative below."""
@@ -74,7 +77,21 @@ def haulback_that_hauls(rig: SkylineRig, stations: np.ndarray, payload: float) -
     return high
 
 
-def remarks(failed: np.ndarray, count: int, haulback: float | None, bare: BareRope | None, style: Style) -> list[str]:
+def under_ground(frame: pd.DataFrame) -> pd.Series[float]:
+    """Depths [m] of load or rope under the ground by station [m], where either is."""
+    heights = frame[[name for name in ("clearance", "rope_clearance") if name in frame]]
+    depths = -heights.min(axis=1).set_axis(frame["station"])
+    return depths[depths > _TOUCHING]
+
+
+def remarks(
+    failed: np.ndarray,
+    count: int,
+    haulback: float | None,
+    bare: BareRope | None,
+    under: pd.Series[float],
+    style: Style,
+) -> list[str]:
     """Sentences for the headline, in a report's words and units."""
     found = []
     if len(failed):
@@ -88,4 +105,8 @@ def remarks(failed: np.ndarray, count: int, haulback: float | None, bare: BareRo
     if bare is not None and bare.height < 0.0:
         height, station = style.value(-bare.height, "length", "up"), style.value(bare.station, "length")
         found.append(style.text("bare_under_ground", height=height, station=station))
+    if len(under):
+        first, last = (style.value(under.index[k], "length") for k in (0, -1))
+        depth = style.value(under.max(), "length", "up")
+        found.append(style.text("under_ground", failed=len(under), count=count, first=first, last=last, depth=depth))
     return found

@@ -149,3 +149,9 @@ def test_a_bare_rope_under_the_ground_has_a_remark() -> None:
     assert bare.station == pytest.approx(150.0, abs=1.0)
     assert bare.height == pytest.approx(-13.0, abs=0.2)
     assert any("under the ground at station 150.0 m" in remark for remark in study.remarks)
+    assert not any("Load or rope" in remark for remark in study.remarks)
+    free = rw.payload(rig, stations=[40.0, 80.0, 150.0])
+    depth = -free.frame[["clearance", "rope_clearance"]].min(axis=1)
+    (remark,) = [remark for remark in free.remarks if remark.startswith("Load or rope")]
+    assert f"at {(depth > 0.0).sum()} of 3 stations" in remark
+    assert float(remark.split("by up to ")[1].split(" m")[0]) == pytest.approx(depth.max() + 0.05, abs=0.051)

@@ -285,6 +285,8 @@ def test_wrong_input_is_reported_before_the_first_case() -> None:
         rw.sweep(line(), {"l1.mass": [1.0]}, outputs=["s0_s1.tension_c"])
     with pytest.raises(rw.InputError, match="not a number in every case"):
         rw.sweep(line(), {"l1.mass": [1.0, "2"]})
+    with pytest.raises(rw.InputError, match="not a number in every case"):
+        rw.sweep(line(), {"l1.mass": [True, False]})
     with pytest.raises(rw.InputError, match="not from a function"):
         rw.sweep(area, {"width": [1.0]}, outputs=["area"])
     with pytest.raises(rw.InputError, match="does not take these parameters"):
