@@ -76,8 +76,6 @@ def _equations(tables: Tables, interface: Interface, tolerance: float) -> None:
     sizes |= {"nm": len(equations.masses), "nw": len(m.x) + len(m.z), "nnz": equations.pattern.nnz()}
     sizes |= {"nk": len(interface.supports), "nl": len(m.limits.output), "nsw": len(equations.switches)}
     sizes |= {"lcap": room_l, "ucap": room_u, "coupled": int(equations.coupled)}
-    for part in ("arg", "res", "iw", "w"):
-        sizes[f"sz_{part}"] = max(1, *(getattr(f, f"sz_{part}")() for f in equations.functions))
     for name, size in sizes.items():
         tables.size(name, size)
     force = float(m.z.nominals.max()) if len(m.z) else 1.0
@@ -85,7 +83,7 @@ def _equations(tables: Tables, interface: Interface, tolerance: float) -> None:
     tables.size("force_scale", force)
     tables.size("force_near", 1e-7 * force)
     tables.pattern("whole", equations.pattern, order)
-    tables.functions("jacobian_of", [] if equations.jacobian is None else ["rw_jacobian"])
+    equations.networks.fill(tables)
     tables.size("groups", 1 + max(equations.groups, default=-1))
     tables.integers("group", equations.groups)
 
@@ -204,7 +202,6 @@ def _clocks(tables: Tables, m: Model, pending: Pending) -> None:
     tables.integers("clock_first", _offsets([len(clock.entries) for clock in m.clocks]))
     tables.integers("clock_entry", [e for clock in m.clocks for e in clock.entries])
     tables.integers("clock_corrects", [e in clock.corrections for clock in m.clocks for e in clock.entries])
-    tables.functions("clock_update", [f"rw_clock_{i}" for i in range(len(m.clocks))])
 
 
 def _places(tables: Tables, corridor: Corridor | None) -> None:
@@ -218,7 +215,6 @@ def _places(tables: Tables, corridor: Corridor | None) -> None:
     tables.integers("passage_to", [passage.to for passage in rows])
     tables.texts("passage_event", [passage.event for passage in rows])
     tables.numbers("passage_jump", np.concatenate([[], *(passage.jump for passage in rows)]))
-    tables.functions("margins", [] if corridor is None else [corridor.function.name()])
 
 
 def _offsets(sizes: Sequence[int]) -> np.ndarray:

@@ -3,76 +3,47 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from ropeway.systems.modelling.dae_model import Model
-from ropeway.systems.modelling.equations import expanded, scalar
 from ropeway.systems.native.c_tables import Tables
-from ropeway.systems.native.kernel_source import kernel_source
-from ropeway.systems.native.section_library import LINE_INTEGERS, LINE_NUMBERS
+from ropeway.systems.native.kernel_source import hidden_kernel
+from ropeway.systems.native.section_library import LINE_INTEGERS, LINE_KERNELS, LINE_NUMBERS
 from ropeway.systems.solvers.compiled_line import line_tables, slots_of_kernel
 from ropeway.systems.solvers.line_sections import LineSections
 
 
 class SectionSolution:
-    """The sections of a line, `coupled`: whether the rates of its states depend on the states.
-
-    The rates, their derivatives and the outputs that have limits are functions of their own, of the quantities that
-    they need alone.
-    """
+    """The sections of a line, `coupled`: whether the rates of its states depend on the states."""
 
     def __init__(self, model: Model, sections: LineSections, *, coupled: bool) -> None:
         self.model, self.sections, self.coupled = model, sections, coupled
         self.sizes, self.numbers = line_tables(model, sections)
-        dae = expanded(model)
-        self._symbols: list[Any] = dae.sx_in()
-        self._ode = dae(*self._symbols)[0]
-
-    def _function(self, name: str, result: Any) -> ca.Function:
-        return ca.Function(name, self._symbols, [ca.cse(result)])
 
     @cached_property
-    def rates(self) -> ca.Function:
-        """(t, x, z, u, p, d) -> ode."""
-        return self._function("rw_ode", ca.densify(self._ode))
+    def coupling(self) -> ca.Sparsity:
+        """Pattern of the derivatives of the rates by (x, z)."""
+        return ca.horzcat(*(self.model.dae.jac_sparsity(0, argument) for argument in (1, 2)))
 
     @cached_property
-    def limits(self) -> ca.Function:
-        """(t, x, z, u, p, d) -> the output of each limit."""
-        outputs = scalar(self.model, self.model.outputs)(*self._symbols)
-        chosen = [outputs[int(i)] for i in self.model.limits.output]
-        return self._function("rw_limit_outputs", ca.densify(ca.vertcat(*chosen)))
-
-    @cached_property
-    def coupling(self) -> ca.Function:
-        """(t, x, z, u, p, d) -> derivatives of ode by (x, z), sparse."""
-        unknowns = ca.vertcat(self._symbols[1], self._symbols[2])
-        return self._function("rw_ode_derivatives", ca.jacobian(self._ode, unknowns))
+    def kernels(self) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
+        """Name in C and file of the kernels of spans, for each form and number of used slots, and of supports."""
+        spans = []
+        for form in self.sections.forms:
+            own = {slots: hidden_kernel(form.kernel(slots)) for slots in self._slots}
+            spans += [own[slots_of_kernel(used)] for used in range(self.sizes["slots"] + 1)]
+        return spans, [hidden_kernel(support.kernel) for support in self.sections.support_forms]
 
     @property
-    def functions(self) -> tuple[ca.Function, ...]:
-        """Those that are compiled as the equations of the whole line are."""
-        return (self.rates, self.limits, *((self.coupling,) if self.coupled else ()))
-
-    @cached_property
-    def kernels(self) -> dict[str, ca.Function]:
-        """The kernels of spans and supports, by their names in C."""
-        found = {}
-        for i, form in enumerate(self.sections.forms):
-            for used in range(self.sizes["slots"] + 1):
-                slots = slots_of_kernel(used)
-                found[f"rw_span_{i}_{slots}"] = form.kernel(slots)
-        for i, support in enumerate(self.sections.support_forms):
-            found[f"rw_support_{i}"] = support.kernel
-        return found
+    def _slots(self) -> list[int]:
+        return sorted({slots_of_kernel(used) for used in range(self.sizes["slots"] + 1)})
 
     @property
     def sources(self) -> dict[str, str]:
         """A file in C for each kernel."""
-        return {f"{name}.c": kernel_source(k, name, exported=False) for name, k in self.kernels.items()}
+        return {f"{name}.c": text for own in self.kernels for name, text in own}
 
     @cached_property
     def _states_of_sections(self) -> list[list[int]]:
@@ -94,7 +65,7 @@ class SectionSolution:
         pairs = {(i, i) for i in range(nx)}
         if self.coupled:
             reads: dict[int, list[int]] = {}
-            own = self.coupling.sparsity_out(0)
+            own = self.coupling
             for row, column in zip(own.row(), own.get_col(), strict=True):
                 if column < nx:
                     pairs.add((row, column))
@@ -115,7 +86,7 @@ def fill_line(tables: Tables, solution: SectionSolution | None, model: Model) ->
     coupling = pattern = None
     of_states: list[list[int]] = [[] for _ in range(nx)]
     if solution is not None:
-        coupling = solution.coupling.sparsity_out(0) if solution.coupled else None
+        coupling = solution.coupling if solution.coupled else None
         pattern = solution.pattern
         for s, states in enumerate(solution._states_of_sections):
             for state in states:
@@ -130,7 +101,6 @@ def fill_line(tables: Tables, solution: SectionSolution | None, model: Model) ->
     tables.pattern("drives", ca.Sparsity(nx, nx) if pattern is None else pattern, order)
     tables.integers("state_section_first", np.concatenate([[0], np.cumsum([len(s) for s in of_states])]))
     tables.integers("state_section", [s for sections in of_states for s in sections])
-    _functions(tables, solution)
     _line(tables, solution)
     return lower, upper
 
@@ -144,28 +114,17 @@ def room_of(pattern: ca.Sparsity | None) -> tuple[list[int], int, int]:
     return list(order), v.nnz() + r.shape[1], r.nnz() + r.shape[1]
 
 
-def _functions(tables: Tables, solution: SectionSolution | None) -> None:
-    tables.functions("rates_alone", [] if solution is None else [solution.rates.name()])
-    tables.functions("limits_alone", [] if solution is None else [solution.limits.name()])
-    tables.functions("coupling", [] if solution is None or not solution.coupled else [solution.coupling.name()])
-
-
 def _line(tables: Tables, solution: SectionSolution | None) -> None:
     """rs_line."""
     if solution is None:
         tables.structure("rs_line", "line", {"spans": "0"})
         return
-    sizes, sections = solution.sizes, solution.sections
-    fields = {name: str(size) for name, size in sizes.items()}
+    fields = {name: str(size) for name, size in solution.sizes.items()}
     for name in LINE_INTEGERS:
         tables.integers(f"line_{name}", solution.numbers[name])
         fields[name] = f"rw_line_{name}"
     fields |= {name: f"rw_{name}" for name in LINE_NUMBERS}
-    spans = [
-        f"rw_span_{i}_{slots_of_kernel(used)}" for i in range(len(sections.forms)) for used in range(sizes["slots"] + 1)
-    ]
-    supports = [f"rw_support_{i}" for i in range(len(sections.support_forms))]
-    for name, kernels in (("kernels", spans), ("support_kernels", supports)):
-        tables.kernels(f"line_{name}", kernels)
+    for name, kernels in zip(LINE_KERNELS, solution.kernels, strict=True):
+        tables.kernels(f"line_{name}", [own for own, _ in kernels])
         fields[name] = f"rw_line_{name}"
     tables.structure("rs_line", "line", fields)

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-INSIDE = ("sections.c", "inertial_system.c", "inertial_steps.c")
-"""Lines by sections, and systems with inertia: below all others."""
+INSIDE = ("calls.c", "sections.c", "inertial_system.c", "inertial_steps.c")
+"""Networks of kernels, lines by sections, and systems with inertia: below all others."""
 SOURCES = (
     "ropeway_sparse.c",
     "ropeway_log.c",
@@ -24,7 +24,7 @@ SOURCES = (
     "ropeway_instance.c",
 )
 """Compiled besides the generated equations and tables; each calls only those before it."""
-_HEADERS = ("sections.h", "inertial.h", "model_data.h", "ropeway.h")
+_HEADERS = ("calls.h", "sections.h", "inertial.h", "model_data.h", "ropeway.h")
 _FOLDER = Path(__file__).parent
 
 

@@ -4,13 +4,13 @@
 #ifndef NETWORK_H
 #define NETWORK_H
 
+#include "calls.h"
+
 #ifdef _WIN32
 #define RN_API __declspec(dllexport)
 #else
 #define RN_API __attribute__((visibility("default")))
 #endif
-
-typedef void (*rn_kernel)(const double *v, double *r);
 
 enum { RN_OK, RN_SINGULAR, RN_STUCK, RN_SLOW, RN_MEMORY };
 
@@ -21,12 +21,11 @@ typedef struct {
     const int *column_end, *row, *order, *diagonal;
 } rn_pattern;
 
-/* Places count in one array of values: entries of the vectors, results of calls, sums, and the number one. */
+/* The values are entries of the vectors, results of calls, sums, and the number one. */
 typedef struct {
+    rn_calls calls;
     rn_pattern pattern; /* of the matrix: residuals by unknowns */
-    int calls, values, sums, drifts, entries, balances;
-    /* of each call: where its result begins; the end of its inputs in `input`, the places that it reads */
-    const int *result, *inputs_end, *input;
+    int sums, drifts, entries, balances;
     /* of each sum of products: its place, and the end of its terms: first those of the matrix, then `drifts` of rates */
     const int *sum, *terms_end, *factor, *other;
     /* of each unknown its place; of each residual its place; of each residual its drift where rates are asked for */
@@ -35,7 +34,6 @@ typedef struct {
     /* travels that can be held back: residual, unknown, entry of the matrix; `sign` */
     const int *balance_residual, *balance_unknown, *balance_entry;
     const double *sign;
-    const rn_kernel *kernels; /* of each call */
 } rn_network;
 
 /* What a solve is given besides the start. */

@@ -1,7 +1,7 @@
 /* A cable system: solution of its equations, loads that move from span to span, time integration.
  *
- * The sizes RW_N... and all tables are in model_data.c, the equations rw_dae, rw_outputs and rw_tangent in files of these
- * names; these are generated. fmi2.c and fmi3.c are the FMI wrappers. */
+ * The sizes RW_N... and all tables are in model_data.c, the kernels of components in files of their own; these are
+ * generated. fmi2.c and fmi3.c are the FMI wrappers. */
 #ifndef ROPEWAY_H
 #define ROPEWAY_H
 
@@ -99,7 +99,6 @@ typedef struct {
     unsigned char *backup; /* a saved state */
     double *sample, *fresh, *margin, *margin_before, *no_margin, *limit, *indicator, *input_rate, *input_begin, *input_end;
     unsigned char *changes, *just, *forward, *backward;
-    double *none; /* zeros */
     double *line_work, *rope, *us_rate;
     long long *used;   /* of each span: loads in it */
     rw_factors drives; /* of the drives of a line */
@@ -116,10 +115,7 @@ typedef struct {
     rw_moving_slot *known; /* four spans */
     double *y_here, *y_later, *y_earlier, *watch_low, *watch_high, *input_reached;
     int *watched, *watch_of;
-    const double **arg;
-    double **res;
-    int *iw;
-    double *cw;
+    double *value, *change; /* of a network, and changes of these */
     /* of a step along the drives of a line */
     rw_point course_from, course_to;
     double *course_rate, *course_end_rate, *since;
@@ -163,15 +159,21 @@ rw_status rw_check_slots(rw_instance *m);
 rw_status rw_lengths(rw_instance *m);
 
 /* ropeway_functions.c */
-void rw_point_arguments(rw_instance *m, const double *t, const double *x, const double *z, const double *u);
+int rw_place_of(const rw_instance *m);
 int rw_all_finite(const double *v, int n);
 void rw_inputs_at(rw_instance *m, double t, double *u);
 void rw_input_rates(const rw_instance *m, double t, double factor, double *du);
 double rw_stop_end(const rw_instance *m, int i);
 int rw_equations(rw_instance *m, double t, const double *x, const double *z, const double *u);
 int rw_rate_function(rw_instance *m, double t, const double *x, const double *z, const double *u, double *rate);
+int rw_outputs_at(rw_instance *m, const rw_point *q, double *y);
+int rw_limit_outputs(rw_instance *m);
+int rw_margins(rw_instance *m);
 int rw_sample(rw_instance *m, int clock);
+int rw_derivatives(rw_instance *m, double t, const double *x, const double *z, const double *u, double *entries);
 int rw_couplings(rw_instance *m);
+void rw_call_with_changes(rw_instance *m);
+void rw_changes(rw_instance *m);
 int rw_drives_alone(rw_instance *m);
 
 /* ropeway_lines.c */
@@ -195,7 +197,6 @@ int rw_factor_matrix(rw_instance *m, double hg);
 rw_status rw_fail(rw_instance *m, const char *reason, double t);
 rw_status rw_newton(rw_instance *m, double t, double *x, double *z, const double *u, const double *base, double hg);
 rw_status rw_solve_here(rw_instance *m);
-rw_status rw_margins_of(rw_instance *m);
 
 /* ropeway_places.c */
 void rw_start_place(rw_instance *m);

@@ -69,7 +69,7 @@ static size_t of_factors(rw_instance *m, unsigned char *memory)
 static size_t of_calls(rw_instance *m, unsigned char *memory)
 {
     const int line = RW_SECTIONS ? rs_work_size(&rw_line) : 0, entries = RW_NNZ > RW_DNNZ ? RW_NNZ : RW_DNNZ;
-    const int saved = (int)rw_saved_size(m), zones = RW_INERTIAL, zeros = RW_NU + RW_NP + RW_ND;
+    const int saved = (int)rw_saved_size(m), zones = RW_INERTIAL;
     const array arrays[] = {
         DOUBLES(m->f, RW_NX), DOUBLES(m->g, RW_NZ), DOUBLES(m->residual, RW_NW), DOUBLES(m->increment, RW_NW),
         DOUBLES(m->w, RW_NW), DOUBLES(m->first, RW_NW), DOUBLES(m->work, RW_NW), DOUBLES(m->values, entries),
@@ -80,7 +80,7 @@ static size_t of_calls(rw_instance *m, unsigned char *memory)
         DOUBLES(m->indicator, RW_NK + RW_NL + RW_NB), DOUBLES(m->input_rate, RW_NU), DOUBLES(m->input_begin, RW_NU),
         DOUBLES(m->input_end, RW_NU),
         BYTES(m->changes, RW_ND), BYTES(m->just, RW_NK), BYTES(m->forward, RW_NK), BYTES(m->backward, RW_NK),
-        DOUBLES(m->none, zeros), DOUBLES(m->line_work, line), DOUBLES(m->rope, RW_NK), DOUBLES(m->us_rate, RW_NU),
+        DOUBLES(m->line_work, line), DOUBLES(m->rope, RW_NK), DOUBLES(m->us_rate, RW_NU),
         {&m->used, RW_NK, sizeof(long long)}, DOUBLES(m->coupling, RW_NCP), DOUBLES(m->us, RW_NU),
         DOUBLES(m->stage[0], RW_NX), DOUBLES(m->stage[1], RW_NX), DOUBLES(m->stage[2], RW_NX), DOUBLES(m->stage[3], RW_NX),
         DOUBLES(m->base, RW_NX), INTS(m->mark, RW_NW), INTS(m->stack, RW_NW), INTS(m->place, RW_NW), INTS(m->order, RW_NW),
@@ -97,8 +97,7 @@ static size_t of_calls(rw_instance *m, unsigned char *memory)
         DOUBLES(m->y_here, zones * RW_NY), DOUBLES(m->y_later, zones * RW_NY), DOUBLES(m->y_earlier, zones * RW_NY),
         DOUBLES(m->watch_low, RW_NK), DOUBLES(m->watch_high, RW_NK), DOUBLES(m->input_reached, RW_NU),
         INTS(m->watched, RW_NK), INTS(m->watch_of, RW_NK),
-        {&m->arg, RW_SZ_ARG, sizeof(double *)}, {&m->res, RW_SZ_RES, sizeof(double *)}, INTS(m->iw, RW_SZ_IW),
-        DOUBLES(m->cw, RW_SZ_W), DOUBLES(m->course_from.x, RW_NX), DOUBLES(m->course_from.z, RW_NZ),
+        DOUBLES(m->value, RW_VALUES), DOUBLES(m->change, RW_VALUES), DOUBLES(m->course_from.x, RW_NX), DOUBLES(m->course_from.z, RW_NZ),
         DOUBLES(m->course_to.x, RW_NX), DOUBLES(m->course_to.z, RW_NZ), DOUBLES(m->course_rate, RW_NX),
         DOUBLES(m->course_end_rate, RW_NX), DOUBLES(m->since, RW_NSEC), INTS(m->sections, RW_NSEC),
         DOUBLES(m->start_x, RW_NX), DOUBLES(m->start_z, RW_NZ), DOUBLES(m->start_d, RW_ND), DOUBLES(m->start_rate, RW_NX),

@@ -18,37 +18,11 @@ static double residual(rw_instance *m, double t, const double *x, const double *
     return isfinite(sum) ? sqrt(sum) : INFINITY;
 }
 
-/* Derivatives of f and g by x and z at a point, by changes in the directions of groups of these: no equation depends on
- * two of a group. */
-static int by_groups(rw_instance *m)
-{
-    const double zero = 0.0;
-    double *direction = m->work;
-    for (int group = 0; group < RW_GROUPS; group++) {
-        for (int j = 0; j < RW_NW; j++) direction[j] = rw_group[j] == group;
-        m->arg[6] = &zero;
-        m->arg[7] = direction;
-        m->arg[8] = direction + RW_NX;
-        m->arg[9] = m->arg[10] = m->arg[11] = m->none;
-        m->res[0] = m->f;
-        m->res[1] = m->g;
-        m->res[2] = NULL;
-        if (rw_tangent(m->arg, m->res, m->iw, m->cw, 0)) return 1;
-        for (int j = 0; j < RW_NW; j++)
-            for (int p = rw_whole.colind[j]; rw_group[j] == group && p < rw_whole.colind[j + 1]; p++)
-                m->s.lu.jac[p] = rw_whole.row[p] < RW_NX ? m->f[rw_whole.row[p]] : m->g[rw_whole.row[p] - RW_NX];
-    }
-    return 0;
-}
-
 /* Derivatives of f and g by x and z at a point, in m->s.lu.jac. */
 int rw_matrix(rw_instance *m, double t, const double *x, const double *z, const double *u)
 {
-    rw_point_arguments(m, &t, x, z, u);
-    m->res[0] = m->s.lu.jac;
     m->s.lu.valid = 0;
-    if (RW_GROUPS ? by_groups(m) : rw_jacobian_of[0](m->arg, m->res, m->iw, m->cw, 0)) return 1;
-    return !rw_all_finite(m->s.lu.jac, RW_NNZ);
+    return rw_derivatives(m, t, x, z, u, m->s.lu.jac);
 }
 
 /* Factors of the scaled matrix from m->s.lu.jac. */
@@ -185,13 +159,4 @@ rw_status rw_solve_here(rw_instance *m)
     m->s.solved = 1;
     m->s.rated = m->s.shown = 0;
     return RW_OK;
-}
-
-/* Margins of the carriage's place at the present solution, in m->margin. */
-rw_status rw_margins_of(rw_instance *m)
-{
-    rw_inputs_at(m, m->s.now.t, m->us);
-    rw_point_arguments(m, &m->s.now.t, m->s.now.x, m->s.now.z, m->us);
-    m->res[0] = m->margin;
-    return rw_margins[0](m->arg, m->res, m->iw, m->cw, 0) || !rw_all_finite(m->margin, RW_NG) ? RW_DISCARD : RW_OK;
 }
