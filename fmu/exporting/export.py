@@ -98,8 +98,8 @@ def export(
         Deceleration [m/s2] of a Boolean input `emergency_stop`, by which an importer stops all drives during a run, as
         an `Intervention` does; by default there is none.
     inertia : Inertia, optional
-        The inertia of ropes, loads and wheels, of a system whose loads do not run over supports. Booleans
-        `span.broken` and `carriage.dropped` can be inputs. By default the line is in equilibrium at every time.
+        The inertia of ropes, loads and wheels; loads run over supports as in `simulate`. Booleans `span.broken` and
+        `carriage.dropped` can be inputs. By default the line is in equilibrium at every time.
 
     Returns
     -------
@@ -115,7 +115,8 @@ def export(
     EquilibriumError
         The system has no equilibrium.
     FmuExportError
-        The compiler failed, a component is an FMU itself, or loads run over supports of a line with inertia.
+        The compiler failed, a component is an FMU itself, or loads run over supports of a line with inertia that the
+        compiled core does not have, as one whose drives share a power unit.
     WriteError
         The file could not be written.
     Interrupted
