@@ -21,7 +21,7 @@ from ropeway.components.schedule import Schedule
 from ropeway.fmu.exporting.carriage_corridor import Corridor
 from ropeway.fmu.exporting.inertial_solution import InertialSolution
 from ropeway.fmu.exporting.networks import Networks
-from ropeway.fmu.exporting.section_solution import SectionSolution, room_of
+from ropeway.fmu.exporting.section_solution import SectionSolution
 from ropeway.systems.dynamics.run_inputs import is_speed, require_no_events, started
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.intervention import INERTIAL, SWITCHED
@@ -116,11 +116,6 @@ class ModelEquations:
             residuals = reduce(operator.add, own)
         pattern = ca.vertcat(rates, residuals)
         return pattern + _diagonal(pattern.shape[0], len(self.model.x))
-
-    @cached_property
-    def factors(self) -> tuple[list[int], int, int]:
-        """Column order for LU, and room for L and U (see `room_of`)."""
-        return room_of(self.pattern)
 
     @cached_property
     def coupled(self) -> bool:

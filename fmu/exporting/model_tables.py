@@ -11,7 +11,7 @@ from ropeway.components.errors import InputError
 from ropeway.fmu.exporting.carriage_corridor import Corridor
 from ropeway.fmu.exporting.inertial_solution import InertialSolution, fill_inertial
 from ropeway.fmu.exporting.interface import Interface
-from ropeway.fmu.exporting.section_solution import fill_line
+from ropeway.fmu.exporting.section_solution import fill_line, write_pattern
 from ropeway.systems.dynamics.load_crossings import balances_of
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.native.c_tables import Tables
@@ -70,19 +70,18 @@ def fill(interface: Interface, settings: Settings) -> Tables:
 def _equations(tables: Tables, interface: Interface, tolerance: float) -> None:
     equations = interface.equations
     m = equations.model
-    order, *room = equations.factors
-    room_l, room_u = np.maximum(room, fill_line(tables, equations.by_sections, m)).tolist()
+    fill_line(tables, equations.by_sections, m)
     sizes = {"nx": len(m.x), "nz": len(m.z), "nu": len(m.u), "np": len(m.p), "nd": len(m.d), "ny": len(m.y)}
     sizes |= {"nm": len(equations.masses), "nw": len(m.x) + len(m.z), "nnz": equations.pattern.nnz()}
     sizes |= {"nk": len(interface.supports), "nl": len(m.limits.output), "nsw": len(equations.switches)}
-    sizes |= {"lcap": room_l, "ucap": room_u, "coupled": int(equations.coupled)}
+    sizes |= {"coupled": int(equations.coupled)}
     for name, size in sizes.items():
         tables.size(name, size)
     force = float(m.z.nominals.max()) if len(m.z) else 1.0
     tables.size("tolerance", float(tolerance))
     tables.size("force_scale", force)
     tables.size("force_near", 1e-7 * force)
-    tables.pattern("whole", equations.pattern, order)
+    write_pattern(tables, "whole", equations.pattern)
     equations.networks.fill(tables)
     tables.size("groups", 1 + max(equations.groups, default=-1))
     tables.integers("group", equations.groups)

@@ -6,12 +6,14 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
+from scipy.sparse import csc_matrix
 
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.native.c_tables import Tables
 from ropeway.systems.native.kernel_source import hidden_kernel
 from ropeway.systems.native.section_library import LINE_INTEGERS, LINE_KERNELS, LINE_NUMBERS
 from ropeway.systems.solvers.compiled_line import line_tables, slots_of_kernel
+from ropeway.systems.solvers.kernels.compiled_network import elimination_order
 from ropeway.systems.solvers.line_sections import LineSections
 
 
@@ -80,8 +82,8 @@ class SectionSolution:
         return ca.Sparsity.triplet(nx, nx, list(rows), list(columns))
 
 
-def fill_line(tables: Tables, solution: SectionSolution | None, model: Model) -> tuple[int, int]:
-    """Writes the tables of a line by sections, or empty ones; returns room for the factors of its drives."""
+def fill_line(tables: Tables, solution: SectionSolution | None, model: Model) -> None:
+    """Writes the tables of a line by sections, or empty ones."""
     nx, nz = len(model.x), len(model.z)
     coupling = pattern = None
     of_states: list[list[int]] = [[] for _ in range(nx)]
@@ -91,27 +93,23 @@ def fill_line(tables: Tables, solution: SectionSolution | None, model: Model) ->
         for s, states in enumerate(solution._states_of_sections):
             for state in states:
                 of_states[state].append(s)
-    order, lower, upper = room_of(pattern)
     tables.size("sections", int(solution is not None))
     tables.size("nsec", 0 if solution is None else solution.sizes["sections"])
     tables.size("ncp", 0 if coupling is None else coupling.nnz())
     tables.size("dnnz", 0 if pattern is None else pattern.nnz())
     tables.integers("coupling_colind", np.zeros(nx + nz + 1) if coupling is None else coupling.colind())
     tables.integers("coupling_row", [] if coupling is None else coupling.row())
-    tables.pattern("drives", ca.Sparsity(nx, nx) if pattern is None else pattern, order)
+    write_pattern(tables, "drives", ca.Sparsity(0, 0) if pattern is None else pattern)
     tables.integers("state_section_first", np.concatenate([[0], np.cumsum([len(s) for s in of_states])]))
     tables.integers("state_section", [s for sections in of_states for s in sections])
     _line(tables, solution)
-    return lower, upper
 
 
-def room_of(pattern: ca.Sparsity | None) -> tuple[list[int], int, int]:
-    """Column order for LU, and an upper bound of the entries of L and U for any pivots, from the patterns of a QR
-    factorisation."""
-    if pattern is None or pattern.shape[0] == 0:
-        return [], 1, 1
-    v, r, _, order = pattern.qr_sparse()
-    return list(order), v.nnz() + r.shape[1], r.nnz() + r.shape[1]
+def write_pattern(tables: Tables, name: str, pattern: ca.Sparsity) -> None:
+    """Writes a square sparse matrix, with an order of its elimination."""
+    colind, row = pattern.colind(), pattern.row()
+    order, diagonal = elimination_order(csc_matrix((np.ones(len(row)), row, colind), shape=pattern.shape))
+    tables.pattern(name, colind, row, order.tolist(), diagonal.tolist())
 
 
 def _line(tables: Tables, solution: SectionSolution | None) -> None:

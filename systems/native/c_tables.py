@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-import casadi as ca
 import numpy as np
 
 
@@ -18,7 +17,7 @@ class Tables:
 
     def size(self, name: str, value: float) -> None:
         """A number among the sizes."""
-        self._sizes[name] = repr(value)
+        self._sizes[name] = _double(value) if isinstance(value, float) else str(int(value))
 
     def numbers(self, name: str, values: Iterable[float]) -> None:
         """Doubles."""
@@ -44,12 +43,16 @@ class Tables:
             self._functions[kernel] = f"void {kernel}(const double *v, double *r);"
         self._body.append(f"static const rs_kernel rw_{name}[] = {{{', '.join(values) or '0'}}};")
 
-    def pattern(self, name: str, pattern: ca.Sparsity, order: Sequence[int]) -> None:
-        """A square sparse matrix, and the order in which its columns are eliminated."""
-        for part, values in (("colind", pattern.colind()), ("row", pattern.row()), ("order", order)):
-            self.integers(f"{name}_{part}", values)
-        parts = {"n": str(pattern.shape[0])} | {part: f"rw_{name}_{part}" for part in ("colind", "row", "order")}
-        self.structure("rw_pattern", name, parts)
+    def pattern(
+        self, name: str, colind: Iterable[int], row: Iterable[int], order: Sequence[int], diagonal: Sequence[int]
+    ) -> None:
+        """A square sparse matrix, the order in which its columns are eliminated, and the rows that they should take."""
+        for part, values in (("colind", colind), ("row", row), ("order", order), ("diagonal", diagonal)):
+            self.integers(f"{name}_{part}", values, shown=part == "colind")
+        count, ends = str(len(order)), f"rw_{name}_colind + 1"
+        parts = {"n": count, "inner": count, "column_end": ends}
+        parts |= {part: f"rw_{name}_{part}" for part in ("row", "order", "diagonal")}
+        self.structure("rn_pattern", name, parts)
 
     def structure(self, kind: str, name: str, fields: Mapping[str, str]) -> None:
         """A structure with some fields; the others are 0."""

@@ -6,6 +6,7 @@
 #include "calls.h"
 #include "inertial.h"
 #include "sections.h"
+#include "sparse_lu.h"
 
 #define RW_FINGERPRINT 39
 
@@ -19,22 +20,16 @@ typedef struct {
     const int *row;
 } rw_network;
 
-/* A square sparse matrix by columns, and the order in which they are eliminated. */
-typedef struct {
-    int n;
-    const int *colind, *row, *order;
-} rw_pattern;
-
 /* Sizes and numbers: of states, algebraic variables, inputs, parameters, discrete variables, outputs, masses, states and
  * algebraic variables together, entries of their matrix; of supports, limits, switches, stops, schedules, inputs that are
  * rates of others, clocks and the most entries of one, places of a carriage, borders between them, their most margins;
- * room for the factors of a matrix; `coupled`: rates depend on states. Of a line by sections, which `sections` marks:
+ * `coupled`: rates depend on states. Of a line by sections, which `sections` marks:
  * their number, and the entries of the derivatives and of the matrix of its drives. Of a system with inertia, which `inertial`
  * marks: room of its core, most slots of a span, most thresholds of loads. `groups` of directions for the
  * matrix; `values` of the largest network. */
 typedef struct {
     int nx, nz, nu, np, nd, ny, nm, nw, nnz, nk, nl, nsw, ne, ns, nf, nc, nq, npl, nb, ng;
-    int lcap, ucap, coupled, sections, nsec, ncp, dnnz, groups, values;
+    int coupled, sections, nsec, ncp, dnnz, groups, values;
     int inertial, core_y, core_value, core_kernel, core_dense, core_pivot, core_band, core_room, slots, nth;
     double tolerance, force_scale, force_near, stop_deceleration, mean_span;
     double zone, zone_past, zone_near, zone_beyond, zone_early, zone_joined; /* see support_zones.py */
@@ -61,8 +56,6 @@ extern const rw_sizes rw_size;
 #define RW_NPL rw_size.npl
 #define RW_NB rw_size.nb
 #define RW_NG rw_size.ng
-#define RW_LCAP rw_size.lcap
-#define RW_UCAP rw_size.ucap
 #define RW_COUPLED rw_size.coupled
 #define RW_SECTIONS rw_size.sections
 #define RW_NSEC rw_size.nsec
@@ -93,7 +86,8 @@ extern const rw_sizes rw_size;
 #define RW_ZONE_JOINED rw_size.zone_joined
 
 extern const char rw_fingerprint[RW_FINGERPRINT]; /* of the content of this FMU */
-extern const rw_pattern rw_whole, rw_drives;      /* the whole system, and the drives of a line alone */
+extern const rn_pattern rw_whole, rw_drives;      /* the whole system, and the drives of a line alone */
+extern const int rw_whole_colind[], rw_drives_colind[]; /* where their columns begin */
 extern const rs_line rw_line;
 extern const ri_line rw_core;
 

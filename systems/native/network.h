@@ -5,21 +5,7 @@
 #define NETWORK_H
 
 #include "calls.h"
-
-#ifdef _WIN32
-#define RN_API __declspec(dllexport)
-#else
-#define RN_API __attribute__((visibility("default")))
-#endif
-
-enum { RN_OK, RN_SINGULAR, RN_STUCK, RN_SLOW, RN_MEMORY };
-
-/* A sparse matrix by columns: ends of columns, rows; the columns in the `order` in which they are eliminated, and the row
- * that each should take: one of the first `inner` for the first `inner` columns, then just that one. */
-typedef struct {
-    int n, inner;
-    const int *column_end, *row, *order, *diagonal;
-} rn_pattern;
+#include "sparse_lu.h"
 
 /* The values are entries of the vectors, results of calls, sums, and the number one. */
 typedef struct {
@@ -46,19 +32,6 @@ typedef struct {
 
 RN_API void rn_evaluate(const rn_network *net, double *values);
 RN_API void rn_matrix(const rn_network *net, const rn_problem *q, const double *v, double *entries);
-RN_API int rn_pivots(const rn_pattern *pattern, const double *entries, const int *take, double *pivots);
 RN_API int rn_solve(const rn_network *net, const rn_problem *q, double *v, double *residual, double *rates);
-
-/* sparse_lu.c */
-typedef struct {
-    int n, size_l, size_u, steps, known; /* steps: columns that are eliminated; known: all of an earlier matrix */
-    int *lower_end, *upper_end, *step_of, *lower, *upper, *mark, *stack, *place, *reached;
-    double *l, *u, *work;
-} rn_factors;
-
-int rn_new_factors(rn_factors *f, int n);
-void rn_free_factors(rn_factors *f);
-int rn_factor(rn_factors *f, const rn_pattern *a, const double *entries);
-void rn_back(const rn_factors *f, const rn_pattern *a, double *b);
 
 #endif

@@ -6,7 +6,7 @@ import ctypes
 
 from ropeway.systems.native.c_library import core_library
 
-FILES = ("calls.h", "network.h", "calls.c", "network.c", "sparse_lu.c")
+FILES = ("calls.h", "sparse_lu.h", "network.h", "calls.c", "network.c", "sparse_lu.c")
 
 CALL_INTEGERS = ("result", "inputs_end", "input")
 NETWORK_SIZES = ("sums", "drifts", "entries", "balances")

@@ -21,14 +21,12 @@ typedef struct {
     double *x, *z;
 } rw_point;
 
-/* The factors of the scaled matrix [I - hg df/dx, -hg df/dz; dg/dx, dg/dz]. */
+/* The scaled matrix [I - hg df/dx, -hg df/dz; dg/dx, dg/dz], whose factors are in rw_instance.whole. */
 typedef struct {
     double hg;
     int valid, exact; /* exact: evaluated at the present point */
-    int *lp, *up, *pinv, *li, *ui;
-    double *lx, *ux;
-    double *jac; /* derivatives of f and g by x and z */
-} rw_factors;
+    double *jac;      /* derivatives of f and g by x and z */
+} rw_matrix_state;
 
 /* Trial states beyond the next crossing (Model Exchange): times after the held point at which it is reached, and at which
  * the equations had no solution; time of the solution kept for later states, and this; rates at the held point. */
@@ -50,7 +48,7 @@ typedef struct {
     double slope_from; /* time from which `slope` counts */
     rw_point now, held; /* held: last accepted point of a carriage, or in Model Exchange */
     rw_ahead ahead;
-    rw_factors lu; /* the last: the compiled core uses it within a call only */
+    rw_matrix_state lu; /* the last: the compiled core uses it within a call only */
     int *passed;   /* loads that have passed each support */
     int *broken;   /* violated limits */
     int *ticks;    /* of each clock */
@@ -94,16 +92,16 @@ typedef struct {
     int has_event_mode, stops_at_events; /* Co-Simulation of FMI 3.0: a step may end at an event, for the importer to handle */
     int event;                           /* the last step has an event at its end or, if it does not stop there, in it */
     /* workspace within a call */
-    double *f, *g, *residual, *increment, *w, *first, *work, *values;
+    double *f, *g, *residual, *increment, *w, *first, *values;
     double *dx, *dz, *du, *dp, *dd, *dm, dt, *df, *dg, *dy;
     unsigned char *backup; /* a saved state */
     double *sample, *fresh, *margin, *margin_before, *no_margin, *limit, *indicator, *input_rate, *input_begin, *input_end;
     unsigned char *changes, *just, *forward, *backward;
     double *line_work, *rope, *us_rate;
     long long *used;   /* of each span: loads in it */
-    rw_factors drives; /* of the drives of a line */
+    rn_factors whole, drives; /* of the matrix of the state, and of the drives of a line */
+    int drives_valid;
     double *coupling, *us, *stage[4], *base;
-    int *mark, *stack, *place, *order, *row_of;
     rw_crossing *due;
     double *goal_p, *goal_mass, *goal_x;        /* values that a start leads to */
     rw_point from, path_from, path_to, trial;   /* copies of points */
@@ -125,10 +123,6 @@ typedef struct {
     unsigned char *memory; /* all of this */
 } rw_instance;
 
-/* ropeway_sparse.c */
-int rw_factor(rw_instance *m, const rw_pattern *a, rw_factors *lu, const double *values);
-void rw_back(const rw_pattern *a, const rw_factors *lu, double *b, double *work, int *row_of);
-
 /* ropeway_log.c */
 void rw_message(rw_instance *m, rw_status status, const char *category, const char *format, ...);
 
@@ -143,7 +137,6 @@ void rw_copy_point(rw_point *to, const rw_point *from);
 
 /* ropeway_slots.c */
 void rw_place_loads(rw_instance *m);
-void rw_take_state(rw_instance *m, const unsigned char *state);
 double rw_load_position(const rw_instance *m, int run, int i);
 double rw_load_mass(const rw_instance *m, int run, int i);
 double rw_drag_area(int run, int i);
@@ -194,6 +187,7 @@ int rw_core_solve(rw_instance *m);
 /* ropeway_solve.c */
 int rw_matrix(rw_instance *m, double t, const double *x, const double *z, const double *u);
 int rw_factor_matrix(rw_instance *m, double hg);
+void rw_take_state(rw_instance *m, const unsigned char *state);
 rw_status rw_fail(rw_instance *m, const char *reason, double t);
 rw_status rw_newton(rw_instance *m, double t, double *x, double *z, const double *u, const double *base, double hg);
 rw_status rw_solve_here(rw_instance *m);

@@ -66,9 +66,9 @@ rw_status rw_rates(rw_instance *m)
     }
     memset(m->increment, 0, RW_NW * sizeof(double));
     for (int j = 0; j < RW_NX; j++)
-        for (int p = rw_whole.colind[j]; p < rw_whole.colind[j + 1]; p++)
+        for (int p = rw_whole_colind[j]; p < rw_whole_colind[j + 1]; p++)
             if (rw_whole.row[p] >= RW_NX) m->increment[rw_whole.row[p]] -= m->s.lu.jac[p] * m->s.rate[j] / rw_r_nominal[rw_whole.row[p] - RW_NX];
-    rw_back(&rw_whole, &m->s.lu, m->increment, m->work, m->row_of);
+    rn_back(&m->whole, &rw_whole, m->increment);
     for (int i = 0; i < RW_NZ; i++) m->s.zrate[i] = m->increment[RW_NX + i] * rw_z_nominal[i];
     m->s.rated = 1;
     return RW_OK;
@@ -87,7 +87,7 @@ rw_status rw_tangent_of(rw_instance *m)
         if (pass == 0) {
             memset(m->increment, 0, RW_NW * sizeof(double));
             for (int i = 0; i < RW_NZ; i++) m->increment[RW_NX + i] = -m->dg[i] / rw_r_nominal[i];
-            rw_back(&rw_whole, &m->s.lu, m->increment, m->work, m->row_of);
+            rn_back(&m->whole, &rw_whole, m->increment);
             for (int i = 0; i < RW_NZ; i++) m->dz[i] = m->increment[RW_NX + i] * rw_z_nominal[i];
         }
     }

@@ -158,7 +158,7 @@ int rw_derivatives(rw_instance *m, double t, const double *x, const double *z, c
     const int seldom = RW_SECTIONS || RW_INERTIAL;
     const rw_network *net = seldom ? rw_net_all : &rw_net_matrix[rw_place_of(m)];
     call(m, net, t, x, z, u);
-    return matrix(m, net, seldom, rw_whole.colind, rw_whole.row, entries);
+    return matrix(m, net, seldom, rw_whole_colind, rw_whole.row, entries);
 }
 
 /* Derivatives of the rates of the drives of a line by states and algebraic variables, in m->coupling. */

@@ -32,7 +32,7 @@ int rw_factor_matrix(rw_instance *m, double hg)
     double *values = m->values;
     for (int j = 0; j < RW_NW; j++) {
         double scale = j < nx ? rw_x_nominal[j] : rw_z_nominal[j - nx];
-        for (int p = rw_whole.colind[j]; p < rw_whole.colind[j + 1]; p++) {
+        for (int p = rw_whole_colind[j]; p < rw_whole_colind[j + 1]; p++) {
             int i = rw_whole.row[p];
             if (i < nx)
                 values[p] = (i == j ? 1.0 : 0.0) - hg * m->s.lu.jac[p] * scale / rw_x_nominal[i];
@@ -40,10 +40,24 @@ int rw_factor_matrix(rw_instance *m, double hg)
                 values[p] = m->s.lu.jac[p] * scale / rw_r_nominal[i - nx];
         }
     }
-    m->s.lu.valid = rw_factor(m, &rw_whole, &m->s.lu, values) == 0;
+    m->whole.known = 0; /* a state that is restored has the same factors */
+    m->s.lu.valid = rn_factor(&m->whole, &rw_whole, values) == RN_OK;
     m->s.lu.hg = hg;
     m->s.lu.exact = 0;
     return !m->s.lu.valid;
+}
+
+/* Takes over a saved state, with the factors of its matrix. */
+void rw_take_state(rw_instance *m, const unsigned char *state)
+{
+    rw_restore(m, state);
+    if (RW_SECTIONS || RW_INERTIAL) m->s.lu.valid = 0;
+    if (m->s.lu.valid) {
+        int exact = m->s.lu.exact;
+        rw_factor_matrix(m, m->s.lu.hg);
+        m->s.lu.exact = exact;
+    }
+    rw_place_loads(m);
 }
 
 rw_status rw_fail(rw_instance *m, const char *reason, double t)
@@ -113,7 +127,7 @@ rw_status rw_newton(rw_instance *m, double t, double *x, double *z, const double
             fresh = 1;
         }
         memcpy(m->increment, m->residual, RW_NW * sizeof(double));
-        rw_back(&rw_whole, &m->s.lu, m->increment, m->work, m->row_of);
+        rn_back(&m->whole, &rw_whole, m->increment);
         if (hg == 0.0) memset(m->increment, 0, RW_NX * sizeof(double)); /* x is given and stays unchanged */
         for (int i = 0; i < RW_NW; i++)
             if (!(fabs(m->increment[i]) <= size)) size = fabs(m->increment[i]);

@@ -143,7 +143,7 @@ class _Pattern(_Tables):
 
     def __init__(self, pattern: csc_matrix, inner: int) -> None:
         super().__init__(MatrixPattern())
-        order, diagonal = _elimination_order(pattern[:inner, :inner])
+        order, diagonal = elimination_order(pattern[:inner, :inner])
         outer = np.arange(inner, pattern.shape[0])
         self.structure.n, self.structure.inner = pattern.shape[0], inner
         self.put("column_end", pattern.indptr[1:])
@@ -171,7 +171,7 @@ class CompiledPivots:
         return found
 
 
-def _elimination_order(pattern: csc_matrix) -> tuple[np.ndarray, np.ndarray]:
+def elimination_order(pattern: csc_matrix) -> tuple[np.ndarray, np.ndarray]:
     """An order of the columns that fills in little, and the row with which each is best eliminated."""
     n = pattern.shape[0]
     matched = maximum_bipartite_matching(csr_matrix(pattern), perm_type="row") if n else np.zeros(0, dtype=int)
