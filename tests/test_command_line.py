@@ -202,7 +202,7 @@ def test_an_interrupt_keeps_the_results(line: str, tmp_path: Path) -> None:
         if (tmp_path / "o").is_dir():
             break
         time.sleep(0.05)
-    time.sleep(1.5)
+    time.sleep(3.0)
     run.send_signal(signal.SIGINT)
     _, errors = run.communicate(timeout=60)
     assert run.returncode == 130
