@@ -103,15 +103,15 @@ class Recorder:
         self._due, self._met = times, 0
 
     def due(self, until: float) -> Sequence[float]:
-        """Those of them up to a time [s] at which the line has not been recorded."""
-        return [time for time in self._due[self._met :] if time <= until]
+        """Those of them before a time [s] at which the line has not been recorded."""
+        return [time for time in self._due[self._met :] if time < until]
 
     def record_due(self, state: LineState) -> None:
-        """Writes down the state at the first of these times, before what happened at it and later."""
+        """Writes down the state at the first of these times, before what has happened since."""
         at = len(self.entries)
-        while at > 0 and self.entries[at - 1].record.time >= state.point.t:
+        while at > 0 and self.entries[at - 1].records[-1].time > state.point.t:
             at -= 1
-        self.entries.insert(at, Entry(recorded(state, self.pending), True, True))
+        self.entries.insert(at, Entry((recorded(state, self.pending),), (True,), (True,)))
         self._met += 1
 
     def note(self, state: LineState, crossing: Crossing, what: str, time: float | None = None) -> None:
