@@ -32,7 +32,7 @@ class ExternalParts:
         self.ended = False
         self._step = _FIRST_STEP
         if self._parts:  # a step of the line that is linear would lose the second order of other equations
-            self._stepper.line.tiny = _RESOLUTION
+            self._stepper.line.tiny = self._stepper.line.linear = _RESOLUTION
 
     def run_to(self, stop: float) -> None:
         """Advances to a time [s] through all events before it and at it, or until a component ends the run. Raises
