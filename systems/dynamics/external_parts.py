@@ -32,7 +32,7 @@ class ExternalParts:
         self.ended = False
         self._step = _FIRST_STEP
         if self._parts:  # a step of the line that is linear would lose the second order of other equations
-            self._stepper.line.tiny = _RESOLUTION
+            self._stepper.line.tiny = self._stepper.line.linear = _RESOLUTION
 
     @property
     def present(self) -> bool:

@@ -45,9 +45,11 @@ class LineStepper:
     short = 5e-3
     """Steps up to this [s] are one explicit step: they bring a load onto its support."""
     bent = 1e-6
-    """Where the second-order part of such a step is beyond this, relative to nominal, it is a fourth-order one."""
+    """Where the second-order part of such a step is beyond this, relative to nominal, IDAS integrates."""
     tiny = 1e-4
-    """Steps up to this [s] are linear: the second order is below rounding."""
+    """Steps of a section up to this [s] are linear, of drives that move by themselves."""
+    linear = 1e-6
+    """Steps of the whole line up to this [s] are linear: the second order is below rounding, also where a drive swings."""
 
     def __init__(self, state: LineState, signals: Sequence[Signal], tolerance: float) -> None:
         self.state = state
@@ -130,7 +132,7 @@ class LineStepper:
         point, t = self.state.point, self.state.point.t
         if h == 0.0:
             return motion
-        if abs(h) <= self.tiny:
+        if abs(h) <= self.linear:
             point.x[:] += h * motion.x
             point.z[:] += h * motion.z
             self.set_time(t + h)
@@ -140,25 +142,24 @@ class LineStepper:
         return self.integrate(h, motion, stop)
 
     def _short_step(self, h: float, motion: LineMotion, stop: float) -> LineMotion:
-        """A step of Heun's method, or Runge and Kutta's where rates change fast, as after a loss of pressure."""
-        x, t = self.state.point.x.copy(), self.time
+        """A step of Heun's method, or of IDAS where rates change fast, as after a loss of pressure."""
+        point, t = self.state.point, self.time
+        x, z = point.x.copy(), point.z.copy()
 
-        def moved(step: float, rates: np.ndarray) -> LineMotion:
-            self.state.point.x[:] = x + step * rates
-            self.set_time(t + step)
+        def moved(rates: np.ndarray) -> LineMotion:
+            self.state.point.x[:] = x + h * rates
+            self.set_time(t + h)
             return self.solve(stop)
 
-        self.state.point.z[:] += h * motion.z
-        end = moved(h, motion.x)
+        point.z[:] += h * motion.z
+        end = moved(motion.x)
         if np.array_equal(end.x, motion.x):
             return end
-        second = h / 2.0 * (end.x - motion.x)
-        if np.all(np.abs(second) <= self.bent * self.state.model.x.nominals):
-            return moved(h, (motion.x + end.x) / 2.0)
-        middle = moved(h / 2.0, motion.x)
-        again = moved(h / 2.0, middle.x)
-        end = moved(h, again.x)
-        return moved(h, (motion.x + 2.0 * (middle.x + again.x) + end.x) / 6.0)
+        if np.all(np.abs(h / 2.0 * (end.x - motion.x)) <= self.bent * self.state.model.x.nominals):
+            return moved((motion.x + end.x) / 2.0)
+        point.x[:], point.z[:] = x, z
+        self.set_time(t)
+        return self.integrate(h, motion, stop)
 
     def integrate(self, h: float, motion: LineMotion, stop: float) -> LineMotion:
         """Advances the state by `h` seconds with IDAS. Raises EquilibriumError, SimulationError."""

@@ -34,6 +34,8 @@ static double *divide(const rs_line *l, const rs_drives *s, double *work, rs_dri
     r->v = work, work += inputs;
     r->result = work, work += results;
     r->force = work, work += ports;
+    r->first = work, work += ports;
+    r->rate = work, work += ports;
     r->by_state = work, work += ports * s->most;
     r->series = work, work += RS_TERMS * s->most;
     r->matrix = work, work += n * (n + 1);
@@ -135,13 +137,11 @@ int rs_coupled(const rs_line *l, const rs_point *q, const rs_motion *m, const rs
     return 0;
 }
 
-int rs_note_limits(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_drives *s)
+void rs_note_limits(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_drives *s)
 {
     rs_drive_room r = rs_room_of(l, s);
-    int found = 0;
     for (int i = 0; i < s->drives; i++)
-        if (reaches_limit(l, q, m, s, &r, i)) found = s->limited[i] = 1;
-    return found;
+        if (reaches_limit(l, q, m, s, &r, i)) s->limited[i] = 1;
 }
 
 int rs_limited(const rs_line *l, const rs_drives *s, const int *sections, int count)

@@ -24,10 +24,11 @@ typedef struct {
     double *work;
 } rs_drives;
 
-/* Room for drives: a kernel's vector and results; forces at the ports of all drives, and the derivatives of those of one
- * drive by its states; what finds its trajectory; points of the line in a window. */
+/* Room for drives: a kernel's vector and results; forces at the ports of all drives, those where a window starts and their
+ * rates there, and the derivatives of those of one drive by its states; what finds its trajectory; points of the line in a
+ * window. */
 typedef struct {
-    double *v, *result, *force, *by_state, *series, *matrix, *right;
+    double *v, *result, *force, *first, *rate, *by_state, *series, *matrix, *right;
     double *z, *z_rate, *x_rate, *u, *u_rate; /* z: (RS_NODES, nz) */
 } rs_drive_room;
 

@@ -4,6 +4,7 @@
 #include "moving.h"
 
 #define NEAR 1e-9     /* part of a mean span within which a load is on a support */
+#define SWINGING 1e-6 /* [s]: step of a section that is linear beside a drive at a limit */
 #define FOLLOWED 0.02 /* part of a nominal by which an idler's travel may be elsewhere than its rate leads to */
 
 /* States and their rates at a time, by the polynomials through the points of the window. */
@@ -109,9 +110,10 @@ int rs_move(const rs_line *l, rs_point *q, rs_motion *m, double stop, const rs_d
         if ((failed = correct(l, q, m, sections, count))) return failed;
         rs_look_again(l, q, m, &next);
         double near = NEAR * m->scale[l->run_of[next.k]], h = next.time;
+        double linear = drives && rs_limited(l, drives, sections, count) ? SWINGING : m->short_step;
         if (fabs(next.gap) > near && h > stop - m->time) continue;
         if (isfinite(h)) rs_follow(l, q, m, m->time + h);
-        if (fabs(next.gap) > near && fabs(h) > m->short_step) {
+        if (fabs(next.gap) > near && fabs(h) > linear) {
             if ((failed = correct(l, q, m, sections, count))) return failed;
             rs_look_again(l, q, m, &next);
             if (fabs(next.gap) > near) continue;

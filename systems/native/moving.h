@@ -127,7 +127,7 @@ void rs_note_stop(const rs_line *l, const rs_point *q, rs_motion *m);
 
 /* drives.c: room; the kernel of a drive `after` some time with its states `x`, and inputs that follow their rates; forces
  * at its ports; whether the rates that the kernel has given depend on them; the sections beside it, among `sections`.
- * Whether drives that move by themselves have come to a limit here, from now on `limited`; whether any is, beside some
+ * Drives that move by themselves and have come to a limit here are `limited` from now on; whether any is, beside some
  * sections. */
 rs_drive_room rs_room_of(const rs_line *l, const rs_drives *s);
 void rs_drive(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_drives *s, const rs_drive_room *r, int i,
@@ -135,11 +135,14 @@ void rs_drive(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_
 void rs_pull(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_drives *s, const rs_drive_room *r, int i);
 int rs_feels(const rs_line *l, const rs_drives *s, const rs_drive_room *r, int i);
 int rs_drive_sections(const rs_line *l, const rs_drives *s, int i, int *sections, int count);
-int rs_note_limits(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_drives *s);
+void rs_note_limits(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_drives *s);
 int rs_limited(const rs_line *l, const rs_drives *s, const int *sections, int count);
 
-/* windows.c */
+/* windows.c: the window of all drives from now to `end`, or shorter where one changes fast; those at a limit move with the
+ * sections beside them */
 int rs_drive_window(const rs_line *l, rs_point *q, rs_motion *m, rs_drives *s, double end);
+int rs_swung(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_drives *s, const double *z,
+             const double *rate);
 
 /* clocks.c */
 int rs_sample(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_clocks *c, double time);

@@ -116,10 +116,18 @@ static int advance(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs
         code = rs_move(l, q, m, whole ? at.time : m->begin + m->h, tied ? s : 0);
         if (code) return code == RS_PASSED ? RS_REACHED : code; /* another window from here */
         if (tied && rs_coupled(l, q, m, s, 0, 0)) return RS_COUPLED;
+        if (tied && rs_swung(l, q, m, s, a->saved + 2 * l->nx, a->saved + 2 * l->nx + l->nz)) return RS_COUPLED;
         if (!holds(l, q, m)) return RS_SLACK;
         rs_note_stop(l, q, m);
     }
     return whole ? arrive(l, q, m, a, s, c, &at) : RS_REACHED;
+}
+
+static int count_limited(const rs_drives *s)
+{
+    int count = 0;
+    for (int i = 0; i < s->drives; i++) count += s->limited[i];
+    return count;
 }
 
 static int run(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs_drives *s, rs_clocks *c)
@@ -139,21 +147,21 @@ static int run(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs_dri
     while (m->reached < m->stops) {
         mark before = {m->time, m->crossed, m->records, m->events, m->responses, m->epoch, a->bent};
         keep(l, q, m, a, 0);
-        int code = advance(l, q, m, a, s, c, isfinite(longest), most);
+        int limits = count_limited(s), code = advance(l, q, m, a, s, c, isfinite(longest), most);
         if (code == RS_REACHED) {
             memset(s->limited, 0, s->drives * sizeof(int));
             most = 2.0 * most < longest ? 2.0 * most : longest;
             continue;
         }
         double tried = m->h < most ? m->h : most;
-        int limits = code == RS_COUPLED && rs_note_limits(l, q, m, s); /* the same window again, with the ropes */
+        if (code == RS_COUPLED) rs_note_limits(l, q, m, s);
         keep(l, q, m, a, 1);
         m->curved = 0;
         memset(m->touched, 0, l->sections * sizeof(int));
         memcpy(c->ticks, m->epoch_ticks + before.epoch * c->clocks, c->clocks * sizeof(long long));
         m->time = before.time, m->crossed = before.crossed, m->epoch = before.epoch, a->bent = before.bent;
         m->records = before.records, m->events = before.events, m->responses = before.responses;
-        if (limits) continue;
+        if (code == RS_COUPLED && count_limited(s) > limits) continue; /* the same again, more drives with the ropes */
         if (!(code == RS_UNFORESEEN || code == RS_FAILED || (code == RS_FULL && m->records == 0))) return code;
         if (tried < LEAST_STEP) return code;
         most = 0.5 * tried;

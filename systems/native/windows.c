@@ -14,6 +14,7 @@
 #define ITERATIONS 12
 #define SWEEPS 30         /* of drives at a limit, each with the others where they were */
 #define BEYOND 1.02       /* a window with ropes ends there, as part of the time until a load crosses */
+#define SWING 2e-3        /* scaled deviation of a tension from its prediction that a drive may feel */
 #define GROWTH 4.0        /* most that a window with ropes is longer than the one before */
 
 /* Solves the linear system whose matrix and right-hand side stand in rows of n + 1; the solution is in `x`. */
@@ -189,14 +190,25 @@ static void start(const rs_line *l, const rs_point *q, const rs_motion *m, const
 {
     size_t size = s->states[s->form[i]] * sizeof(double);
     rs_pull(l, q, m, s, r, i);
+    for (int port = s->port_first[i]; port < s->port_first[i + 1]; port++) {
+        memcpy(r->first + 3 * port, r->force + 3 * port, 3 * sizeof(double));
+        memset(r->rate + 3 * port, 0, 3 * sizeof(double));
+        if (s->port_span[port] >= 0) end_force_rate(l, q, m, s->port_span[port], s->port_end[port], r->rate + 3 * port);
+    }
     rs_drive(l, q, m, s, r, i, 0.0, q->x + s->x[i]);
     memcpy(s->window + s->x[i], q->x + s->x[i], size);
     memcpy(s->rates + s->x[i], r->result, size);
     memcpy(q->x_rate + s->x[i], r->result, size);
 }
 
-/* States and rates of a drive at the points of a window of h seconds, for the forces at its start. RS_PASSED: a shorter
- * one is needed; RS_COUPLED: a limit is active there. */
+/* Forces at the ports of a drive as their rates at the window's start predict them. */
+static void predict(const rs_drives *s, const rs_drive_room *r, int i, double after)
+{
+    for (int c = 3 * s->port_first[i]; c < 3 * s->port_first[i + 1]; c++) r->force[c] = r->first[c] + after * r->rate[c];
+}
+
+/* States and rates of a drive at the points of a window of h seconds. RS_PASSED: a shorter one is needed; RS_COUPLED: a
+ * limit is active there. */
 static int trajectory(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_drives *s, const rs_drive_room *r,
                       int i, double h)
 {
@@ -216,6 +228,7 @@ static int trajectory(const rs_line *l, const rs_point *q, const rs_motion *m, c
         }
     int step = terms > 2 ? 1 : 3; /* what is no parabola may reach a limit and leave it between two of fewer points */
     for (int j = step; j < RS_NODES && linear; j += step) {
+        predict(s, r, i, h * s->nodes[j]);
         rs_drive(l, q, m, s, r, i, h * s->nodes[j], s->window + j * l->nx + s->x[i]);
         for (int a = 0; a < n; a++) {
             double away = h * fabs(r->result[a] - s->rates[j * l->nx + s->x[i] + a]) / s->nominal[s->x[i] + a];
@@ -223,10 +236,12 @@ static int trajectory(const rs_line *l, const rs_point *q, const rs_motion *m, c
         }
         if (linear && rs_feels(l, s, r, i)) return RS_COUPLED;
     }
+    predict(s, r, i, 0.0);
     if (!linear && !collocate(l, q, m, s, r, i, h)) return RS_PASSED;
     if (terms > 2 || !linear) /* else a polynomial already */
         if (!resolved(l, s, i, h)) return RS_PASSED;
     for (int j = 1; j < RS_NODES && !linear && s->tied[form]; j++) {
+        predict(s, r, i, h * s->nodes[j]);
         rs_drive(l, q, m, s, r, i, h * s->nodes[j], s->window + j * l->nx + s->x[i]);
         if (rs_feels(l, s, r, i)) return RS_COUPLED;
     }
@@ -324,6 +339,50 @@ static int window(const rs_line *l, rs_point *q, rs_motion *m, rs_drives *s, dou
 int rs_drive_window(const rs_line *l, rs_point *q, rs_motion *m, rs_drives *s, double end)
 {
     return window(l, q, m, s, end, 1);
+}
+
+/* Entry `c` of the unknowns at a part of a window of h seconds, by the cubic polynomial through both ends. */
+static double between(const rs_point *q, const double *z, const double *rate, int c, double h, double part)
+{
+    double far = 1.0 - part;
+    return far * far * ((1.0 + 2.0 * part) * z[c] + part * h * rate[c]) +
+           part * part * ((1.0 + 2.0 * far) * q->z[c] - far * h * q->z_rate[c]);
+}
+
+/* Whether a drive that has moved by itself came to a limit since the window's start, where the unknowns and their rates
+ * were these: looked at where the tensions beside it are not as predicted. From now on it is `limited`. */
+int rs_swung(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_drives *s, const double *z,
+             const double *rate)
+{
+    rs_drive_room r = rs_room_of(l, s);
+    double h = m->time - m->begin;
+    int found = 0;
+    for (int i = 0; i < s->drives; i++) {
+        int swings = 0;
+        if (!s->tied[s->form[i]] || s->limited[i]) continue;
+        for (int port = s->port_first[i]; port < s->port_first[i + 1]; port++) {
+            int span = s->port_span[port], c = span < 0 ? 0 : l->force[span];
+            for (int axis = 0; span >= 0 && axis < 3; axis++)
+                if (fabs(q->z[c + axis] - z[c + axis] - h * rate[c + axis]) > SWING * l->z_nominal[c + axis]) swings = 1;
+            if (span >= 0 && m->touched[l->section_of[span]]) swings = -RS_NODES;
+        }
+        for (int j = 1; j < RS_NODES && swings > 0 && !s->limited[i]; j++) {
+            rs_point there = *q;
+            there.x = s->window + j * l->nx, there.z = r.z;
+            if (s->nodes[j] * m->h > h) break;
+            for (int port = s->port_first[i]; port < s->port_first[i + 1]; port++) {
+                int span = s->port_span[port], k = span < 0 ? 0 : l->start[span];
+                int places[5] = {l->force[span < 0 ? 0 : span], 0, 0, l->travel[k], l->travel[k + 1]};
+                places[1] = places[0] + 1, places[2] = places[0] + 2;
+                for (int n = 0; span >= 0 && n < 5; n++)
+                    if (places[n] >= 0) r.z[places[n]] = between(q, z, rate, places[n], h, s->nodes[j] * m->h / h);
+            }
+            rs_pull(l, &there, m, s, &r, i);
+            rs_drive(l, q, m, s, &r, i, s->nodes[j] * m->h - h, there.x + s->x[i]);
+            if (rs_feels(l, s, &r, i)) found = s->limited[i] = 1;
+        }
+    }
+    return found;
 }
 
 /* The window of drives that move by themselves. */
