@@ -95,7 +95,8 @@ class Recorder:
             self.entries.append(Entry(block, on_grid, on_grid))
             return
         for record, exact in zip(block, on_grid, strict=True):
-            alone = record._replace(z=record.z.copy())  # the block is not kept
+            passed = tuple(beyond.copy() for beyond in record.passed)  # so that the block is not kept
+            alone = record._replace(x=record.x.copy(), z=record.z.copy(), u=record.u.copy(), passed=passed)
             self.entries.append(Entry((alone,), (exact,), (exact,)))
         self._pack()
 
