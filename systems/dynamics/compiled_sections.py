@@ -69,7 +69,7 @@ class CompiledSections(SectionIntegrator):
             if code == UNFORESEEN:
                 raise UnforeseenError
             # A crossing can activate a limit that is inactive again before the stop.
-            if code == COUPLED or self._is_coupled(limits):
+            if code == COUPLED or (code == PASSED and core.drives is not None) or self._is_coupled(limits):
                 return None
             if code == REACHED:
                 return motion

@@ -3,9 +3,11 @@ model does not have."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,19 +33,54 @@ SPAN = (
 ENDS = ("travel", "x", "y", "z", "rope", "aside_x", "aside_z")
 
 
+class FilledSlots(NamedTuple):
+    """Which loads are in which slots, as many as the fullest span needs: of each run its spans and the numbers of their
+    loads (records, slots, spans), 0 in empty slots; of all spans `there`, the slots with a load, and `lost`: whether a
+    span has more loads than slots (records, spans)."""
+
+    runs: tuple[tuple[slice, np.ndarray], ...]
+    there: np.ndarray
+    lost: np.ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class SpanPlaces:
     """Places of all spans, run after run. `read` (22, spans): of `SPAN`, and of `ENDS` at both ends; `slots`
     (4, slots, spans): mass, at, ride, empty of each load slot; `runs`: the first span of each run, and their number
-    behind; `gravity`: its place; `shoes`: whether a rope leaves a node beside its place anywhere."""
+    behind; `gravity`: its place; `shoes`: whether a rope leaves a node beside its place anywhere; `varied` (5, spans):
+    the part of `read` of forces and travels, None where others than these are not parameters."""
 
     names: tuple[str, ...]
     read: np.ndarray
+    varied: np.ndarray | None
     slots: np.ndarray
     slot_counts: np.ndarray
     runs: tuple[int, ...]
     gravity: int
     shoes: bool
+
+    def slots_of(self, passed: Sequence[np.ndarray]) -> FilledSlots:
+        """The slots for the loads beyond each support (records, supports) of each run; those of one state are
+        remembered, as the loads stay in their spans in most solves."""
+        if passed and len(passed[0]) == 1:
+            return self._slots_of_one(tuple(beyond.astype(int).tobytes() for beyond in passed))
+        return self._slots(passed)
+
+    @cached_property
+    def _slots_of_one(self) -> Callable[[tuple[bytes, ...]], FilledSlots]:
+        return lru_cache(maxsize=8)(
+            lambda passed: self._slots([np.frombuffer(beyond, dtype=int)[None] for beyond in passed])
+        )
+
+    def _slots(self, passed: Sequence[np.ndarray]) -> FilledSlots:
+        counts = [beyond[:, :-1] - beyond[:, 1:] for beyond in passed]
+        every = np.concatenate(counts, axis=1) if counts else np.zeros((1, 0), dtype=int)
+        slot = np.arange(int(every.max(initial=0)))[:, None]
+        there, runs = np.less(slot, every[:, None]), list[tuple[slice, np.ndarray]]()
+        for r, beyond in enumerate(passed):
+            own = slice(self.runs[r], self.runs[r + 1])
+            runs.append((own, (beyond[:, None, :-1] - 1 - slot) * there[:, :, own]))
+        return FilledSlots(tuple(runs), there, every > self.slot_counts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,9 +265,14 @@ def _span_places(model: Model, places: _Places) -> SpanPlaces:
         [[places(f"{name}.slot_{what}[{j + 1}]") for name in places.spans] for j in range(most)]
         for what in ("mass", "at", "ride", "empty")
     ]
+    table = np.array(read, dtype=int).reshape(-1, len(SPAN) + 2 * len(ENDS)).T.copy()
+    varied = [0, 1, 2, len(SPAN), len(SPAN) + len(ENDS)]
+    others, first = np.delete(table, varied, axis=0), len(model.x) + len(model.z) + len(model.u)
+    given = ((others >= first) & (others < first + len(model.p))) | (others == places.none)
     return SpanPlaces(
         names=tuple(places.spans),
-        read=np.array(read, dtype=int).reshape(-1, len(SPAN) + 2 * len(ENDS)).T.copy(),
+        read=table,
+        varied=table[varied] if given.all() else None,
         slots=np.array(slots, dtype=int).reshape(4, most, len(places.spans)),
         slot_counts=counts,
         runs=tuple(firsts),

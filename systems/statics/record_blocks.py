@@ -62,8 +62,8 @@ class RecordBlock(Sequence[Record]):
 
     def rows(self, which: np.ndarray) -> RecordRows:
         """Records of numbers `which`."""
-        x, z, u, passed = (values[which] for values in (self.x, self.z, self.u, self.passed))
-        return RecordRows(self.time[which], x, z, u, passed, self.kept[self.epoch[which]])
+        time, x, z, u, passed = (values[which] for values in (self.time, self.x, self.z, self.u, self.passed))
+        return RecordRows(time, x, z, u, passed, self.kept[self.epoch[which]])
 
 
 class Records(Sequence[AnyRecord]):
