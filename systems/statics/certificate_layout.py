@@ -47,10 +47,12 @@ class FilledSlots(NamedTuple):
 class SpanPlaces:
     """Places of all spans, run after run. `read` (22, spans): of `SPAN`, and of `ENDS` at both ends; `slots`
     (4, slots, spans): mass, at, ride, empty of each load slot; `runs`: the first span of each run, and their number
-    behind; `gravity`: its place; `shoes`: whether a rope leaves a node beside its place anywhere."""
+    behind; `gravity`: its place; `shoes`: whether a rope leaves a node beside its place anywhere; `varied` (5, spans):
+    the part of `read` of forces and travels, None where others than these are not parameters."""
 
     names: tuple[str, ...]
     read: np.ndarray
+    varied: np.ndarray | None
     slots: np.ndarray
     slot_counts: np.ndarray
     runs: tuple[int, ...]
@@ -263,9 +265,14 @@ def _span_places(model: Model, places: _Places) -> SpanPlaces:
         [[places(f"{name}.slot_{what}[{j + 1}]") for name in places.spans] for j in range(most)]
         for what in ("mass", "at", "ride", "empty")
     ]
+    table = np.array(read, dtype=int).reshape(-1, len(SPAN) + 2 * len(ENDS)).T.copy()
+    varied = [0, 1, 2, len(SPAN), len(SPAN) + len(ENDS)]
+    others, first = np.delete(table, varied, axis=0), len(model.x) + len(model.z) + len(model.u)
+    given = ((others >= first) & (others < first + len(model.p))) | (others == places.none)
     return SpanPlaces(
         names=tuple(places.spans),
-        read=np.array(read, dtype=int).reshape(-1, len(SPAN) + 2 * len(ENDS)).T.copy(),
+        read=table,
+        varied=table[varied] if given.all() else None,
         slots=np.array(slots, dtype=int).reshape(4, most, len(places.spans)),
         slot_counts=counts,
         runs=tuple(firsts),

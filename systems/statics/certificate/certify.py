@@ -191,8 +191,7 @@ def _checks(
     gravity = values[:, places.gravity, None]
     with np.errstate(all="ignore"):  # what is not a number fails its check
         if places.names:
-            fixed = layout.plain and layout.weather is None  # spans end at points that are parameters
-            alike = fixed and isinstance(points, StateRows) and points.alike
+            alike = layout.weather is None and isinstance(points, StateRows) and points.alike
             spans = read_spans(places, values, gravity, alike=alike)
             loads = hung(places, values, spans, runs, passed, masses, weather=layout.weather is not None)
             found, ends = shape_of(layout, values, spans, loads, gravity)

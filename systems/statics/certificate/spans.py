@@ -43,12 +43,12 @@ class Spans(NamedTuple):
 
 
 def read_spans(places: SpanPlaces, values: np.ndarray, gravity: np.ndarray, *, alike: bool = False) -> Spans:
-    """Spans out of values (records, all). alike: all but forces and travels is the same in all records; then what
-    follows from that alone has one record."""
+    """Spans out of values (records, all). alike: the parameters are the same in all records; what follows from them
+    alone has one record then."""
     n, m = len(SPAN), len(SPAN) + len(ENDS)
-    if alike and not places.shoes:
+    if alike and places.varied is not None and not places.shoes:
         found, gravity = values[:1].take(places.read, axis=1), gravity[:1]
-        varied = values.take(places.read[[0, 1, 2, n, m]], axis=1)
+        varied = values.take(places.varied, axis=1)
         force, travel_a, travel_b = varied[:, :3], varied[:, 3], varied[:, 4]
     else:
         found = values.take(places.read, axis=1)
