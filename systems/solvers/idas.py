@@ -90,7 +90,7 @@ class Idas:
                 "calc_ic": False,
                 "linear_solver": "csparse",
                 # The error test shortens the first step.
-                "step0": stretch.first / count,
+                "step0": stretch.first,
                 "max_num_steps": 100_000,
                 "disable_internal_warnings": True,
             },

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from ropeway.components.errors import SimulationError
-from ropeway.systems.dynamics.inertia import support_zones as zones
 from ropeway.systems.dynamics.inertia.inertial_line import InertialLine
 from ropeway.systems.dynamics.inertia.inertial_stepper import InertialStepper
+from ropeway.systems.dynamics.inertia.zone_bounds import Bounds
 from ropeway.systems.dynamics.line_stepper import LineMotion, Signal
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.native.inertial_library import FAILURES, SystemRun
@@ -18,35 +18,6 @@ from ropeway.systems.statics.line_state import LineState
 
 _FIRST, _SHORTEST = 0.01, 1e-9
 """Step that is tried first, and shortest step [s]."""
-_BEHIND = 1e-4
-"""Travel after which an event is due that was due before but for the direction of the rope [m]."""
-
-
-class Bounds:
-    """What loads come to as the line moves: until then the `watched` states, travels of the rope, are between `low` and
-    `high` [m]."""
-
-    def __init__(self, state: LineState) -> None:
-        self._thresholds, self._travels = zones.thresholds(state), self._read(state)
-        travels = [layout.travel.state for layout in state.model.layouts]
-        self.watched = np.unique(np.concatenate([own[own >= 0] for own in travels])).astype(np.int32)
-        gaps = np.full((2, len(state.point.x)), np.inf)
-        for t in self._thresholds:
-            gap = np.where(t.gap > zones.NEAR, t.gap, _BEHIND)[t.on]
-            np.minimum.at(gaps[int(t.side < 0.0)], travels[t.r][t.k[t.on]], gap)
-        self.high = state.point.x[self.watched] + gaps[0, self.watched]
-        self.low = state.point.x[self.watched] - gaps[1, self.watched]
-
-    @staticmethod
-    def _read(state: LineState) -> list[np.ndarray]:
-        return state.model.travels(state.point.x, state.point.z)
-
-    def due(self, state: LineState, rates: Sequence[np.ndarray]) -> list[zones.ZoneEvent]:
-        """The events that are due, one for each load, of a line that has moved without any; `rates` of travel of each
-        run [m/s]."""
-        moved = [now - then for now, then in zip(self._read(state), self._travels, strict=True)]
-        now = [t._replace(gap=t.gap - t.side * moved[t.r][t.k]) for t in self._thresholds]
-        return zones.due(zones.approached(now, rates, zones.NEAR))
 
 
 class CompiledInertialLine(InertialLine):
@@ -82,8 +53,7 @@ class CompiledInertialLine(InertialLine):
         """The same: the core has all rates at once."""
         return self.solve(stop)
 
-    def move(self, stop: float, bounds: Bounds) -> LineMotion:
-        """Moves the line to `stop` [s] or to the first of some bounds. Raises EquilibriumError, SimulationError."""
+    def move(self, stop: float, quiet: float, motion: LineMotion, bounds: Bounds) -> LineMotion:
         time, found = self.time, self.point(stop)
         run = SystemRun(
             stop=stop - time,
@@ -116,36 +86,3 @@ class CompiledInertialStepper(InertialStepper):
 
     line: CompiledInertialLine
     line_kind = CompiledInertialLine
-
-    def run_along(self, stops: Sequence[float]) -> int:
-        """Advances through evenly spaced stops with an entry at each; returns how many they are. Inputs do not bend
-        before the last one. Raises EquilibriumError, SimulationError."""
-        if stops:
-            begin = self._begin(stops[-1])
-            for stop in stops:
-                begin = self._advance_to(stop, *begin)
-                self.recorder.record(self.state, on_grid=True)
-        return len(stops)
-
-    def run_to(self, stop: float) -> None:
-        """Advances to `stop` [s], before which no input bends and nothing acts on the line; solved there. Raises
-        EquilibriumError, SimulationError."""
-        self._advance_to(stop, *self._begin(stop))
-
-    def _begin(self, stop: float) -> tuple[LineMotion, Bounds]:
-        """The rates at the present time, and what loads come to."""
-        self.line.set_time(self.line.time)
-        return self.line.solve(stop), Bounds(self.state)
-
-    def _advance_to(self, stop: float, motion: LineMotion, bounds: Bounds) -> tuple[LineMotion, Bounds]:
-        """As `run_to`, from known rates and bounds; returns those at the stop."""
-        line = self.line
-        while line.time < stop - 1e-9:
-            if due := bounds.due(self.state, motion.travel):
-                motion = self._act(due, motion, stop)
-                bounds = Bounds(self.state)
-            else:
-                motion = line.move(stop, bounds)
-        self._motion = motion
-        self.state.require_rope("End the run before, or turn the drive")
-        return motion, bounds

@@ -7,19 +7,31 @@ from dataclasses import replace
 
 import numpy as np
 
+from ropeway.components.errors import SimulationError
 from ropeway.components.schedule import Schedule
+from ropeway.systems.dynamics.chattering import ChatterGuard
+from ropeway.systems.dynamics.inertia.solved_stretch import POINTS, SolvedStretch
+from ropeway.systems.dynamics.inertia.zone_bounds import Bounds
 from ropeway.systems.dynamics.line_stepper import LineMotion, LineStepper, Signal
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.solvers.idas import OSCILLATING, Idas
 from ropeway.systems.solvers.newton import newton_of
-from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.line_state import LineState
+
+_FIRST, _SHORTEST = 0.5, 1e-5
+"""First stretch of a run, and the shortest that is tried when a longer one has failed [s]."""
+_MARGIN, _FARTHER = 0.01, 1.1
+"""A stretch goes past the next event by this time [s] and by this factor: when it is due follows from its points."""
+_ACCEPTED, _GROWTH = 10.0, 10.0
+"""Largest error of interpolation, as a multiple of the tolerance, and largest growth of stretches."""
 
 
 class InertialLine(LineStepper):
     """A line with inertia and the signals of its inputs; those that are rates of others follow from these."""
 
     def __init__(self, state: LineState, signals: Sequence[Signal], tolerance: float) -> None:
+        self.guard = ChatterGuard(sum(len(run.nodes) for run in state.runs))
+        self._longest = _FIRST
         index = state.model.u.index
         pairs = [(index[rate], index[of]) for rate, of in state.model.rate_of.items() if rate in index and of in index]
         self._rates = np.array([rate for rate, _ in pairs], dtype=int)
@@ -48,28 +60,50 @@ class InertialLine(LineStepper):
         """As `solve`, with the rates of the algebraic variables."""
         return super().solve(stop)
 
-    def integrate(self, h: float, motion: LineMotion, stop: float) -> LineMotion:
-        """Advances the state by `h` seconds. Raises EquilibriumError, SimulationError."""
-        return self.integrate_along(h, 1, motion, stop)[1]
+    def move(self, stop: float, quiet: float, motion: LineMotion, bounds: Bounds) -> LineMotion:
+        """Moves the line to `stop` [s] or to the first of some bounds, from its rates. Nothing but time changes it
+        before `quiet` [s], up to which inputs are linear. Raises EquilibriumError, SimulationError."""
+        ahead = self._ahead
+        if ahead is None or not ahead.continues(self.state.point):
+            ahead = self._ahead = self._integrated(quiet, motion, bounds)
+        t = min(stop, ahead.end, ahead.time_of_event(self.time, bounds))
+        x, z = ahead.at(t)
+        self.state.point = replace(self.state.point, x=x, z=z, u=self.inputs_at(t), t=t)
+        return self.solve(stop)
 
-    def integrate_along(self, h: float, count: int, motion: LineMotion, stop: float) -> tuple[list[Point], LineMotion]:
-        """As `integrate`, without a restart; also returns the solved points at `count` equal parts of the stretch."""
-        start = self.state.point
-        integrator = oscillating_idas_of(self.state.model, self.tolerance, count)
-        xs, zs = integrator.along(start, h, motion.x, motion.z, self.slope(stop))
-        points = []
-        for i, (x, z) in enumerate(zip(xs, zs, strict=True)):
-            t = start.t + h * (i + 1) / count
-            self.state.point = replace(start, x=x, z=z, u=self.inputs_at(t), t=t)
-            motion = self.solve(stop)
-            points.append(self.state.point)
-        return points, motion
+    def drive(self, signals: Sequence[Signal]) -> None:
+        super().drive(signals)
+        self._ahead: SolvedStretch | None = None
+
+    def _integrated(self, quiet: float, motion: LineMotion, bounds: Bounds) -> SolvedStretch:
+        """Integrates a stretch: to `quiet` [s], a little past the next bound, or as far as its points are near enough
+        to each other."""
+        point = self.state.point.copy()
+        left = quiet - point.t
+        h = left / np.ceil(left / self._longest)
+        h = min(h, _MARGIN + _FARTHER * bounds.time_left(point.x, motion.x))
+        integrator = oscillating_idas_of(self.state.model, self.tolerance)
+        while True:
+            try:
+                x, z = integrator.along(point, h, motion.x, motion.z, self.slope(quiet))
+            except SimulationError:
+                self.guard.require(point.t)
+                if h / 2.0 < _SHORTEST:
+                    raise
+                h = self._longest = h / 2.0
+                continue
+            found = SolvedStretch(point, h, np.vstack([point.x, x]), np.vstack([point.z, z]))
+            error = float(np.max(found.error / self.state.model.x.nominals)) / self.tolerance
+            self._longest = h * min(0.8 * max(error, 1e-30) ** (-1.0 / 6.0), _GROWTH)
+            if error <= _ACCEPTED:
+                return found
+            h = self._longest
 
 
 @kept_with_model
-def oscillating_idas_of(model: Model, tolerance: float, count: int) -> Idas:
-    """The integrator of a model with inertia, which gives `count` points of a stretch."""
-    return Idas(model, tolerance, OSCILLATING, count)
+def oscillating_idas_of(model: Model, tolerance: float) -> Idas:
+    """The integrator of a model with inertia."""
+    return Idas(model, tolerance, OSCILLATING, POINTS)
 
 
 def _rate_after(signal: Signal, t: float) -> float:

@@ -1,0 +1,94 @@
+"""A stretch of time that IDAS has integrated, and the line at any time in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ropeway.systems.dynamics.inertia.zone_bounds import Bounds
+from ropeway.systems.solvers.points import Point
+
+POINTS = 100
+"""Parts of a stretch, at whose ends its states are known."""
+_NODES = 6
+"""Points through which a polynomial interpolates."""
+_CHECKS = np.linspace(_NODES, POINTS - _NODES, 8).astype(int)
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedStretch:
+    """The states `x` (POINTS + 1, nx) and algebraic variables `z` (POINTS + 1, nz) in the `h` seconds after a point."""
+
+    start: Point
+    h: float
+    x: np.ndarray
+    z: np.ndarray
+
+    @property
+    def end(self) -> float:
+        """Its last time [s]."""
+        return self.start.t + self.h
+
+    def at(self, t: float) -> tuple[np.ndarray, np.ndarray]:
+        """States and algebraic variables at a time in the stretch [s]."""
+        own, weights = self._nodes(t)
+        return weights @ self.x[own], weights @ self.z[own]
+
+    def continues(self, point: Point) -> bool:
+        """Whether a point is in the stretch, before its end, and nothing else than time has changed it."""
+        if not self.start.t <= point.t < self.end - 1e-9 or len(point.x) != self.x.shape[1]:
+            return False
+        own, weights = self._nodes(point.t)
+        known = ((point.x, weights @ self.x[own]), (point.p, self.start.p), (point.d, self.start.d))
+        return all(np.array_equal(a, b) for a, b in known)
+
+    def time_of_event(self, t: float, bounds: Bounds) -> float:
+        """The first time after `t` at which a state comes to one of its bounds [s]; infinite without one."""
+        before = bounds.excess(self.at(t)[0])
+        later = np.arange(int(np.floor((t - self.start.t) / self.h * POINTS + 1e-6)) + 1, POINTS + 1)
+        beyond = (bounds.excess(self.x[later]) > 0.0) & (before <= 0.0)
+        if not beyond.any():
+            return np.inf
+        i = int(np.argmax(beyond.any(axis=1)))
+        times = self.start.t + self.h * (later[i] + np.array([-1.0, 0.0])) / POINTS
+        span = (max(t, float(times[0])), min(float(times[1]), self.end))
+        return min(self._root(int(k), span, bounds) for k in np.flatnonzero(beyond[i]))
+
+    @property
+    def error(self) -> np.ndarray:
+        """Estimated error of the interpolation of each state, from that with every second point."""
+        apart = np.array([-5, -3, -1, 1, 3, 5])
+        weights = _weights(2.5)
+        found = np.tensordot(weights, self.x[_CHECKS[None, :] + apart[:, None]], 1)
+        return np.asarray(np.abs(found - self.x[_CHECKS]).max(axis=0) / 2.0**_NODES)
+
+    def _root(self, k: int, span: tuple[float, float], bounds: Bounds) -> float:
+        """The time in a span at which watched state number k comes to a bound [s]."""
+        column = bounds.watched[k]
+
+        def excess(t: float) -> float:
+            own, weights = self._nodes(t)
+            value = float(weights @ self.x[own, column])
+            return max(value - float(bounds.high[k]), float(bounds.low[k]) - value)
+
+        if excess(span[0]) > 0.0:
+            return span[0]
+        return float(brentq(excess, *span, xtol=1e-10)) if excess(span[1]) > 0.0 else span[1]
+
+    def _nodes(self, t: float) -> tuple[slice, np.ndarray]:
+        """The points next to a time, and how much each of them counts there."""
+        at = np.clip((t - self.start.t) / self.h * POINTS, 0.0, POINTS)
+        at = np.round(at) if abs(at - np.round(at)) < 1e-9 else at
+        first = int(np.clip(np.floor(at) - (_NODES - 2) // 2, 0, POINTS + 1 - _NODES))
+        return slice(first, first + _NODES), _weights(float(at) - first)
+
+
+def _weights(at: float) -> np.ndarray:
+    """How much the values at 0, 1, ... count at a place, for the polynomial through them."""
+    nodes = np.arange(_NODES)
+    away, apart = at - nodes, nodes[:, None] - nodes
+    np.fill_diagonal(apart, 1)
+    others = np.where(np.eye(_NODES, dtype=bool), 1.0, away[None, :])
+    return np.asarray(np.prod(others, axis=1) / np.prod(apart, axis=1))
