@@ -113,15 +113,19 @@ class Corridor:
 
     @cached_property
     def function(self) -> ca.Function:
-        """(t, x, z, u, p, d) -> margins of the active place, padded with large values."""
+        """(t, x, z, u, p, d) -> margins of the active place."""
+        return self.united.switched("margins", self.margin_functions)
+
+    @cached_property
+    def margin_functions(self) -> list[ca.Function]:
+        """Of each place (t, x, z, u, p, d) -> its margins, padded with large values."""
         by_model = dict(zip((part.model for part in self.united.parts), self.margins.values(), strict=True))
 
         def values(part: SwitchedPart, read: Read) -> list[ca.SX]:
             found = [margin.of(read) for margin in by_model[part.model]]
             return found + [ca.SX(1.0)] * (self.count - len(found))
 
-        margins = self.united.switched("margins", values)
-        return ca.Function("rw_margin_values", self.united.symbols, [ca.densify(margins(*self.united.symbols))])
+        return self.united.cases("margins", values)
 
     def _passage(
         self, place: Place, margin: PassageMargin, borders: dict[tuple[Place, Place], tuple[Point, Point]]

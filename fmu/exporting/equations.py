@@ -1,14 +1,14 @@
-"""Equations of an FMU: the model and its derivatives as functions for C, and the dependencies of its variables.
+"""Equations of an FMU: the model and how C solves it, and the dependencies of its variables.
 
 Dependencies are those after elimination of the algebraic variables.
 """
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
-from operator import or_
 
 import casadi as ca
 import numpy as np
@@ -20,7 +20,8 @@ from ropeway.components.inertia import Inertia
 from ropeway.components.schedule import Schedule
 from ropeway.fmu.exporting.carriage_corridor import Corridor
 from ropeway.fmu.exporting.inertial_solution import InertialSolution
-from ropeway.fmu.exporting.section_solution import SectionSolution, room_of
+from ropeway.fmu.exporting.networks import Networks
+from ropeway.fmu.exporting.section_solution import SectionSolution
 from ropeway.systems.dynamics.run_inputs import is_speed, require_no_events, started
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.intervention import INERTIAL, SWITCHED
@@ -69,73 +70,24 @@ class ModelEquations:
         """The flat model."""
         return self.state.model
 
-    @cached_property
-    def symbols(self) -> list[ca.MX]:
-        """t, x, z, u, p, d."""
-        symbols: list[ca.MX] = self.model.dae.mx_in()
-        return symbols
-
-    @cached_property
-    def dae(self) -> ca.Function:
-        """(t, x, z, u, p, d) -> (ode, alg), dense."""
-        return ca.Function("rw_dae", self.symbols, [ca.densify(v) for v in self.model.dae(*self.symbols)])
-
-    @cached_property
-    def outputs(self) -> ca.Function:
-        """(t, x, z, u, p, d) -> y, dense."""
-        return ca.Function("rw_outputs", self.symbols, [ca.densify(self.model.outputs(*self.symbols))])
-
-    @cached_property
-    def jacobian(self) -> ca.Function | None:
-        """(t, x, z, u, p, d) -> derivatives of (ode, alg) by (x, z); its pattern holds the diagonal of the states.
-
-        None where they are found by tangents in the directions of `groups`.
-        """
-        if self.groups:
-            return None
-        x, z = self.symbols[1], self.symbols[2]
-        if self.corridor is None:
-            matrix = ca.jacobian(ca.vertcat(*self.model.dae(*self.symbols)), ca.vertcat(x, z))
-        else:
-            matrix = self.corridor.united.jacobian(*self.symbols)
-        diagonal = _diagonal(matrix.shape[0], x.numel())
-        return ca.Function("rw_jacobian", self.symbols, [ca.project(matrix, matrix.sparsity() + diagonal)])
-
     @property
     def by_pieces(self) -> bool:
         """Whether the compiled core solves the equations, by sections of a line or by its pieces of rope."""
         return self.by_sections is not None or isinstance(self.inertial, InertialSolution)
 
     @cached_property
+    def networks(self) -> Networks:
+        """The equations, their derivatives and the outputs for C."""
+        return Networks(self.model, self.corridor, by_pieces=self.by_pieces)
+
+    @cached_property
     def groups(self) -> list[int]:
-        """Of each of (x, z) its group: no equation depends on two of a group. Empty unless the compiled core solves the
-        equations piece by piece, and needs these derivatives rarely."""
-        if not self.by_pieces:
-            return []
+        """Of each of (x, z) its group: no equation depends on two of a group."""
         colours = self.pattern.uni_coloring()
         found = np.zeros(colours.shape[0], dtype=int)
         found[np.array(colours.row(), dtype=int)] = colours.get_col()
         groups: list[int] = found.tolist()
         return groups
-
-    @cached_property
-    def tangent(self) -> ca.Function:
-        """(t, x, z, u, p, d, and a change of each) -> changes of (ode, alg, y), dense."""
-        seeds = [ca.MX.sym(f"d{name}", s.shape) for name, s in zip("txzupd", self.symbols, strict=True)]
-        parts = [f.call(self.symbols, f.is_a("MXFunction"), False) for f in (self.model.dae, self.model.outputs)]
-        # Equations and outputs share the functions of their components.
-        whole = ca.Function("rw_all", self.symbols, ca.cse([result for part in parts for result in part]))
-        results = [ca.MX(*whole.size_out(i)) for i in range(whole.n_out())]
-        changes = whole.forward(1).call([*self.symbols, *results, *seeds])
-        return ca.Function("rw_tangent", [*self.symbols, *seeds], [ca.densify(c) for c in changes])
-
-    @property
-    def functions(self) -> tuple[ca.Function, ...]:
-        """All functions that the C core calls."""
-        margins = () if self.corridor is None else (self.corridor.function,)
-        line = () if self.by_sections is None else self.by_sections.functions
-        jacobian = () if self.jacobian is None else (self.jacobian,)
-        return (self.dae, self.outputs, *jacobian, self.tangent, *self.clocks, *margins, *line)
 
     @cached_property
     def by_sections(self) -> SectionSolution | None:
@@ -154,27 +106,16 @@ class ModelEquations:
             return reason
 
     @cached_property
-    def clocks(self) -> tuple[ca.Function, ...]:
-        """(t, x, z, u, p, d) -> new values of the entries of each clock, dense."""
-        return tuple(
-            ca.Function(f"rw_clock_{i}", self.symbols, [ca.densify(clock.update(*self.symbols))])
-            for i, clock in enumerate(self.model.clocks)
-        )
-
-    @cached_property
     def pattern(self) -> ca.Sparsity:
         """Pattern of the Jacobian."""
-        if not self.by_pieces and self.jacobian is not None:
-            return self.jacobian.sparsity_out(0)
         dae = self.model.dae
-        rows = [ca.horzcat(dae.jac_sparsity(i, 1), dae.jac_sparsity(i, 2)) for i in range(2)]
-        pattern = ca.vertcat(*rows)
+        rates, residuals = (ca.horzcat(dae.jac_sparsity(i, 1), dae.jac_sparsity(i, 2)) for i in range(2))
+        if self.corridor is not None:  # CasADi takes any residual to depend on all that the place selects from
+            parts = self.corridor.united.residuals
+            own = [ca.horzcat(one.jac_sparsity(0, 1), one.jac_sparsity(0, 2)) for one in parts]
+            residuals = reduce(operator.add, own)
+        pattern = ca.vertcat(rates, residuals)
         return pattern + _diagonal(pattern.shape[0], len(self.model.x))
-
-    @cached_property
-    def factors(self) -> tuple[list[int], int, int]:
-        """Column order for LU, and room for L and U (see `room_of`)."""
-        return room_of(self.pattern)
 
     @cached_property
     def coupled(self) -> bool:
@@ -265,7 +206,7 @@ class Dependencies:
         self.rates = self._through(m.dae, 0)
         self.outputs = self._through(m.outputs, 0)
         margins = [] if equations.corridor is None else self._through(equations.corridor.function, 0)
-        self.margins = reduce(or_, margins, 0)
+        self.margins = reduce(operator.or_, margins, 0)
 
     def _slot_masks(self, equations: ModelEquations) -> list[int]:
         """Knowns that each discrete variable is computed from: parameters and masses, or a switch."""

@@ -23,7 +23,6 @@ from ropeway.fmu.exporting import documentation, model_description, model_tables
 from ropeway.fmu.exporting.binaries import binary_folder, universal
 from ropeway.fmu.exporting.carriage_corridor import Corridor
 from ropeway.fmu.exporting.equations import ModelEquations
-from ropeway.fmu.exporting.generated_code import c_files
 from ropeway.fmu.exporting.inertial_solution import InertialSolution
 from ropeway.fmu.exporting.interface import Interface
 from ropeway.fmu.exporting.terminals import terminals, terminals_and_icons
@@ -228,8 +227,8 @@ def write_sources(interface: Interface, fmi: str, settings: model_tables.Setting
 
 
 def _model_code(equations: ModelEquations) -> dict[str, str]:
-    """Generated C of the equations."""
-    files = c_files(equations.functions)
+    """Generated C of the kernels, by name."""
+    files = equations.networks.sources
     if equations.by_sections is not None:
         files |= equations.by_sections.sources
     if isinstance(equations.inertial, InertialSolution):

@@ -11,7 +11,7 @@ from ropeway.components.errors import InputError
 from ropeway.fmu.exporting.carriage_corridor import Corridor
 from ropeway.fmu.exporting.inertial_solution import InertialSolution, fill_inertial
 from ropeway.fmu.exporting.interface import Interface
-from ropeway.fmu.exporting.section_solution import fill_line
+from ropeway.fmu.exporting.section_solution import fill_line, write_pattern
 from ropeway.systems.dynamics.load_crossings import balances_of
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.native.c_tables import Tables
@@ -70,22 +70,19 @@ def fill(interface: Interface, settings: Settings) -> Tables:
 def _equations(tables: Tables, interface: Interface, tolerance: float) -> None:
     equations = interface.equations
     m = equations.model
-    order, *room = equations.factors
-    room_l, room_u = np.maximum(room, fill_line(tables, equations.by_sections, m)).tolist()
+    fill_line(tables, equations.by_sections, m)
     sizes = {"nx": len(m.x), "nz": len(m.z), "nu": len(m.u), "np": len(m.p), "nd": len(m.d), "ny": len(m.y)}
     sizes |= {"nm": len(equations.masses), "nw": len(m.x) + len(m.z), "nnz": equations.pattern.nnz()}
     sizes |= {"nk": len(interface.supports), "nl": len(m.limits.output), "nsw": len(equations.switches)}
-    sizes |= {"lcap": room_l, "ucap": room_u, "coupled": int(equations.coupled)}
-    for part in ("arg", "res", "iw", "w"):
-        sizes[f"sz_{part}"] = max(1, *(getattr(f, f"sz_{part}")() for f in equations.functions))
+    sizes |= {"coupled": int(equations.coupled)}
     for name, size in sizes.items():
         tables.size(name, size)
     force = float(m.z.nominals.max()) if len(m.z) else 1.0
     tables.size("tolerance", float(tolerance))
     tables.size("force_scale", force)
     tables.size("force_near", 1e-7 * force)
-    tables.pattern("whole", equations.pattern, order)
-    tables.functions("jacobian_of", [] if equations.jacobian is None else ["rw_jacobian"])
+    write_pattern(tables, "whole", equations.pattern)
+    equations.networks.fill(tables)
     tables.size("groups", 1 + max(equations.groups, default=-1))
     tables.integers("group", equations.groups)
 
@@ -204,7 +201,6 @@ def _clocks(tables: Tables, m: Model, pending: Pending) -> None:
     tables.integers("clock_first", _offsets([len(clock.entries) for clock in m.clocks]))
     tables.integers("clock_entry", [e for clock in m.clocks for e in clock.entries])
     tables.integers("clock_corrects", [e in clock.corrections for clock in m.clocks for e in clock.entries])
-    tables.functions("clock_update", [f"rw_clock_{i}" for i in range(len(m.clocks))])
 
 
 def _places(tables: Tables, corridor: Corridor | None) -> None:
@@ -218,7 +214,6 @@ def _places(tables: Tables, corridor: Corridor | None) -> None:
     tables.integers("passage_to", [passage.to for passage in rows])
     tables.texts("passage_event", [passage.event for passage in rows])
     tables.numbers("passage_jump", np.concatenate([[], *(passage.jump for passage in rows)]))
-    tables.functions("margins", [] if corridor is None else [corridor.function.name()])
 
 
 def _offsets(sizes: Sequence[int]) -> np.ndarray:

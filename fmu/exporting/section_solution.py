@@ -3,76 +3,49 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
 
 import casadi as ca
 import numpy as np
+from scipy.sparse import csc_matrix
 
 from ropeway.systems.modelling.dae_model import Model
-from ropeway.systems.modelling.equations import expanded, scalar
 from ropeway.systems.native.c_tables import Tables
-from ropeway.systems.native.kernel_source import kernel_source
-from ropeway.systems.native.section_library import LINE_INTEGERS, LINE_NUMBERS
+from ropeway.systems.native.kernel_source import hidden_kernel
+from ropeway.systems.native.section_library import LINE_INTEGERS, LINE_KERNELS, LINE_NUMBERS
 from ropeway.systems.solvers.compiled_line import line_tables, slots_of_kernel
+from ropeway.systems.solvers.kernels.compiled_network import elimination_order
 from ropeway.systems.solvers.line_sections import LineSections
 
 
 class SectionSolution:
-    """The sections of a line, `coupled`: whether the rates of its states depend on the states.
-
-    The rates, their derivatives and the outputs that have limits are functions of their own, of the quantities that
-    they need alone.
-    """
+    """The sections of a line, `coupled`: whether the rates of its states depend on the states."""
 
     def __init__(self, model: Model, sections: LineSections, *, coupled: bool) -> None:
         self.model, self.sections, self.coupled = model, sections, coupled
         self.sizes, self.numbers = line_tables(model, sections)
-        dae = expanded(model)
-        self._symbols: list[Any] = dae.sx_in()
-        self._ode = dae(*self._symbols)[0]
-
-    def _function(self, name: str, result: Any) -> ca.Function:
-        return ca.Function(name, self._symbols, [ca.cse(result)])
 
     @cached_property
-    def rates(self) -> ca.Function:
-        """(t, x, z, u, p, d) -> ode."""
-        return self._function("rw_ode", ca.densify(self._ode))
+    def coupling(self) -> ca.Sparsity:
+        """Pattern of the derivatives of the rates by (x, z)."""
+        return ca.horzcat(*(self.model.dae.jac_sparsity(0, argument) for argument in (1, 2)))
 
     @cached_property
-    def limits(self) -> ca.Function:
-        """(t, x, z, u, p, d) -> the output of each limit."""
-        outputs = scalar(self.model, self.model.outputs)(*self._symbols)
-        chosen = [outputs[int(i)] for i in self.model.limits.output]
-        return self._function("rw_limit_outputs", ca.densify(ca.vertcat(*chosen)))
-
-    @cached_property
-    def coupling(self) -> ca.Function:
-        """(t, x, z, u, p, d) -> derivatives of ode by (x, z), sparse."""
-        unknowns = ca.vertcat(self._symbols[1], self._symbols[2])
-        return self._function("rw_ode_derivatives", ca.jacobian(self._ode, unknowns))
+    def kernels(self) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
+        """Name in C and file of the kernels of spans, for each form and number of used slots, and of supports."""
+        spans = []
+        for form in self.sections.forms:
+            own = {slots: hidden_kernel(form.kernel(slots)) for slots in self._slots}
+            spans += [own[slots_of_kernel(used)] for used in range(self.sizes["slots"] + 1)]
+        return spans, [hidden_kernel(support.kernel) for support in self.sections.support_forms]
 
     @property
-    def functions(self) -> tuple[ca.Function, ...]:
-        """Those that are compiled as the equations of the whole line are."""
-        return (self.rates, self.limits, *((self.coupling,) if self.coupled else ()))
-
-    @cached_property
-    def kernels(self) -> dict[str, ca.Function]:
-        """The kernels of spans and supports, by their names in C."""
-        found = {}
-        for i, form in enumerate(self.sections.forms):
-            for used in range(self.sizes["slots"] + 1):
-                slots = slots_of_kernel(used)
-                found[f"rw_span_{i}_{slots}"] = form.kernel(slots)
-        for i, support in enumerate(self.sections.support_forms):
-            found[f"rw_support_{i}"] = support.kernel
-        return found
+    def _slots(self) -> list[int]:
+        return sorted({slots_of_kernel(used) for used in range(self.sizes["slots"] + 1)})
 
     @property
     def sources(self) -> dict[str, str]:
         """A file in C for each kernel."""
-        return {f"{name}.c": kernel_source(k, name, exported=False) for name, k in self.kernels.items()}
+        return {f"{name}.c": text for own in self.kernels for name, text in own}
 
     @cached_property
     def _states_of_sections(self) -> list[list[int]]:
@@ -94,7 +67,7 @@ class SectionSolution:
         pairs = {(i, i) for i in range(nx)}
         if self.coupled:
             reads: dict[int, list[int]] = {}
-            own = self.coupling.sparsity_out(0)
+            own = self.coupling
             for row, column in zip(own.row(), own.get_col(), strict=True):
                 if column < nx:
                     pairs.add((row, column))
@@ -109,45 +82,34 @@ class SectionSolution:
         return ca.Sparsity.triplet(nx, nx, list(rows), list(columns))
 
 
-def fill_line(tables: Tables, solution: SectionSolution | None, model: Model) -> tuple[int, int]:
-    """Writes the tables of a line by sections, or empty ones; returns room for the factors of its drives."""
+def fill_line(tables: Tables, solution: SectionSolution | None, model: Model) -> None:
+    """Writes the tables of a line by sections, or empty ones."""
     nx, nz = len(model.x), len(model.z)
     coupling = pattern = None
     of_states: list[list[int]] = [[] for _ in range(nx)]
     if solution is not None:
-        coupling = solution.coupling.sparsity_out(0) if solution.coupled else None
+        coupling = solution.coupling if solution.coupled else None
         pattern = solution.pattern
         for s, states in enumerate(solution._states_of_sections):
             for state in states:
                 of_states[state].append(s)
-    order, lower, upper = room_of(pattern)
     tables.size("sections", int(solution is not None))
     tables.size("nsec", 0 if solution is None else solution.sizes["sections"])
     tables.size("ncp", 0 if coupling is None else coupling.nnz())
     tables.size("dnnz", 0 if pattern is None else pattern.nnz())
     tables.integers("coupling_colind", np.zeros(nx + nz + 1) if coupling is None else coupling.colind())
     tables.integers("coupling_row", [] if coupling is None else coupling.row())
-    tables.pattern("drives", ca.Sparsity(nx, nx) if pattern is None else pattern, order)
+    write_pattern(tables, "drives", ca.Sparsity(0, 0) if pattern is None else pattern)
     tables.integers("state_section_first", np.concatenate([[0], np.cumsum([len(s) for s in of_states])]))
     tables.integers("state_section", [s for sections in of_states for s in sections])
-    _functions(tables, solution)
     _line(tables, solution)
-    return lower, upper
 
 
-def room_of(pattern: ca.Sparsity | None) -> tuple[list[int], int, int]:
-    """Column order for LU, and an upper bound of the entries of L and U for any pivots, from the patterns of a QR
-    factorisation."""
-    if pattern is None or pattern.shape[0] == 0:
-        return [], 1, 1
-    v, r, _, order = pattern.qr_sparse()
-    return list(order), v.nnz() + r.shape[1], r.nnz() + r.shape[1]
-
-
-def _functions(tables: Tables, solution: SectionSolution | None) -> None:
-    tables.functions("rates_alone", [] if solution is None else [solution.rates.name()])
-    tables.functions("limits_alone", [] if solution is None else [solution.limits.name()])
-    tables.functions("coupling", [] if solution is None or not solution.coupled else [solution.coupling.name()])
+def write_pattern(tables: Tables, name: str, pattern: ca.Sparsity) -> None:
+    """Writes a square sparse matrix, with an order of its elimination."""
+    colind, row = pattern.colind(), pattern.row()
+    order, diagonal = elimination_order(csc_matrix((np.ones(len(row)), row, colind), shape=pattern.shape))
+    tables.pattern(name, colind, row, order.tolist(), diagonal.tolist())
 
 
 def _line(tables: Tables, solution: SectionSolution | None) -> None:
@@ -155,17 +117,12 @@ def _line(tables: Tables, solution: SectionSolution | None) -> None:
     if solution is None:
         tables.structure("rs_line", "line", {"spans": "0"})
         return
-    sizes, sections = solution.sizes, solution.sections
-    fields = {name: str(size) for name, size in sizes.items()}
+    fields = {name: str(size) for name, size in solution.sizes.items()}
     for name in LINE_INTEGERS:
         tables.integers(f"line_{name}", solution.numbers[name])
         fields[name] = f"rw_line_{name}"
     fields |= {name: f"rw_{name}" for name in LINE_NUMBERS}
-    spans = [
-        f"rw_span_{i}_{slots_of_kernel(used)}" for i in range(len(sections.forms)) for used in range(sizes["slots"] + 1)
-    ]
-    supports = [f"rw_support_{i}" for i in range(len(sections.support_forms))]
-    for name, kernels in (("kernels", spans), ("support_kernels", supports)):
-        tables.kernels(f"line_{name}", kernels)
+    for name, kernels in zip(LINE_KERNELS, solution.kernels, strict=True):
+        tables.kernels(f"line_{name}", [own for own, _ in kernels])
         fields[name] = f"rw_line_{name}"
     tables.structure("rs_line", "line", fields)

@@ -73,15 +73,16 @@ class SwitchedModel:
             Kind.RESIDUAL: r,
         }
         self.symbols = [ca.MX.sym("t"), *(ca.MX.sym(kind.value, len(self._tables[kind])) for kind in VECTORS)]
-        rates = first.dae(*self._arguments(parts[0], self.symbols))[0]
-        residuals = self._switched("residuals", self._residuals)
-        outputs = self.switched("views", lambda part, read: [_largest(part.shows[n], read) for n in y.names])
+        self.rates = first.dae(*self._arguments(parts[0], self.symbols))[0]
+        self.residuals = self._cases("residuals", self._residuals)
+        self.views = self.cases("views", lambda part, read: [_largest(part.shows[n], read) for n in y.names])
+        residuals, outputs = self.switched("residuals", self.residuals), self.switched("views", self.views)
         names = ["t", "x", "z", "u", "p", "d"]
         self.model = replace(
             first,
             tables=self._tables,
             structure=Structure(
-                ca.Function("dae", self.symbols, [rates, residuals(*self.symbols)], names, ["ode", "alg"]),
+                ca.Function("dae", self.symbols, [self.rates, residuals(*self.symbols)], names, ["ode", "alg"]),
                 ca.Function("outputs", self.symbols, [outputs(*self.symbols)], names, ["y"]),
             ),
             runs=(),
@@ -92,8 +93,8 @@ class SwitchedModel:
             kept=np.zeros(0, dtype=int),
         )
 
-    def switched(self, name: str, of: Callable[[SwitchedPart, Read], Sequence[ca.SX]]) -> ca.Function:
-        """(t, x, z, u, p, d) -> expressions of the active part."""
+    def cases(self, name: str, of: Callable[[SwitchedPart, Read], Sequence[ca.SX]]) -> list[ca.Function]:
+        """Of each part (t, x, z, u, p, d) -> expressions."""
 
         def expressions(part: SwitchedPart, symbols: Sequence[ca.SX]) -> ca.SX:
             arguments = self._arguments(part, symbols)
@@ -108,18 +109,7 @@ class SwitchedModel:
 
             return ca.densify(ca.vertcat(*of(part, read)))
 
-        return self._switched(name, expressions)
-
-    @cached_property
-    def jacobian(self) -> ca.Function:
-        """(t, x, z, u, p, d) -> derivatives of rates and residuals by states and unknowns."""
-
-        def derivatives(part: SwitchedPart, symbols: Sequence[ca.SX]) -> ca.SX:
-            rates = part.dae(*self._arguments(part, symbols))[0]
-            whole = ca.vertcat(rates, self._residuals(part, symbols))
-            return ca.horzcat(*(ca.jacobian(whole, symbols[i]) for i in (1, 2)))
-
-        return self._switched("derivatives", derivatives)
+        return self._cases(name, expressions)
 
     def point(self, i: int) -> Point:
         """Start of part i, as a point of the united model."""
@@ -134,20 +124,23 @@ class SwitchedModel:
         found[self._places(part)] = z
         return found
 
-    def _switched(self, name: str, of: Callable[[SwitchedPart, Sequence[ca.SX]], ca.SX]) -> ca.Function:
+    def switched(self, name: str, functions: Sequence[ca.Function]) -> ca.Function:
+        """The function of the active part."""
+        if len(functions) == 1:
+            return functions[0]
+        switch = ca.Function.conditional(name, functions[:-1], functions[-1])
+        return ca.Function(f"{name}_of_place", self.symbols, [switch(self.symbols[-1], *self.symbols)])
+
+    def _cases(self, name: str, of: Callable[[SwitchedPart, Sequence[ca.SX]], ca.SX]) -> list[ca.Function]:
         cases = []
         for part in self.parts:
             symbols = [ca.SX.sym(s.name(), s.shape) for s in self.symbols]
             cases.append((symbols, of(part, symbols)))
         pattern = reduce(operator.add, (result.sparsity() for _, result in cases))
-        functions = [
+        return [
             ca.Function(f"{name}_{i}", symbols, [ca.cse(ca.project(result, pattern))])
             for i, (symbols, result) in enumerate(cases)
         ]
-        if len(functions) == 1:
-            return functions[0]
-        switch = ca.Function.conditional(name, functions[:-1], functions[-1])
-        return ca.Function(f"{name}_of_place", self.symbols, [switch(self.symbols[-1], *self.symbols)])
 
     def _places(self, part: SwitchedPart) -> list[int]:
         """Indices of the unknowns of a part in the united vector."""

@@ -2,10 +2,9 @@
 
 from pathlib import Path
 
-INSIDE = ("sections.c", "inertial_system.c", "inertial_steps.c")
-"""Lines by sections, and systems with inertia: below all others."""
+INSIDE = ("calls.c", "sparse_lu.c", "sections.c", "inertial_system.c", "inertial_steps.c")
+"""Networks of kernels, sparse matrices, lines by sections, and systems with inertia: below all others."""
 SOURCES = (
-    "ropeway_sparse.c",
     "ropeway_log.c",
     "ropeway_memory.c",
     "ropeway_slots.c",
@@ -24,7 +23,7 @@ SOURCES = (
     "ropeway_instance.c",
 )
 """Compiled besides the generated equations and tables; each calls only those before it."""
-_HEADERS = ("sections.h", "inertial.h", "model_data.h", "ropeway.h")
+_HEADERS = ("calls.h", "sparse_lu.h", "sections.h", "inertial.h", "model_data.h", "ropeway.h")
 _FOLDER = Path(__file__).parent
 
 

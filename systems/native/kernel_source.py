@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from hashlib import sha256
 
 import casadi as ca
 
@@ -73,6 +74,16 @@ __declspec(dllexport)
 __attribute__((visibility("default")))
 #endif
 """
+_LONG = ((40_000, "O0"), (10_000, "O1"))
+"""Lines of a kernel above which GCC takes minutes, and what it compiles such a kernel with."""
+
+
+def hidden_kernel(function: ca.Function) -> tuple[str, str]:
+    """A kernel for a library that does not show it: a name that its content determines, and its file. Raises
+    NotImplementedError."""
+    text = kernel_source(function, "rw_kernel", exported=False)
+    name = f"rw_kernel_{sha256(text.encode()).hexdigest()[:16]}"
+    return name, text.replace("rw_kernel(", f"{name}(")
 
 
 def kernel_source(function: ca.Function, name: str, *, exported: bool = True) -> str:
@@ -100,5 +111,7 @@ def kernel_source(function: ca.Function, name: str, *, exported: bool = True) ->
         if divisors[k] > 1:  # one division is as long as five products
             lines.append(f"    const double b{k} = 1.0 / a{k};")
     body = "\n".join(lines)
-    head = f"#include <math.h>\n{_EXPORTED if exported else ''}"
+    level = next((level for most, level in _LONG if len(lines) > most), None)
+    pragma = f'#if defined(__GNUC__) && !defined(__clang__)\n#pragma GCC optimize ("{level}")\n#endif\n'
+    head = f"{pragma if level else ''}#include <math.h>\n{_EXPORTED if exported else ''}"
     return f"{head}void {name}(const double *v, double *r)\n{{\n{body}\n}}\n"

@@ -3,29 +3,33 @@
 #define MODEL_DATA_H
 
 #define RS_INSIDE
+#include "calls.h"
 #include "inertial.h"
 #include "sections.h"
+#include "sparse_lu.h"
 
 #define RW_FINGERPRINT 39
 
-typedef int (*rw_function)(const double **arg, double **res, int *iw, double *w, int mem);
-
-/* A square sparse matrix by columns, and the order in which they are eliminated. */
+/* A function of t, x, z, u, p, d, whose entries are the first of the values: places of its results, `row`; some have
+ * derivatives, others kernels for changes. */
 typedef struct {
-    int n;
-    const int *colind, *row, *order;
-} rw_pattern;
+    rn_calls calls;
+    rn_derivatives derivatives;
+    const rn_kernel *tangents;
+    int rows;
+    const int *row;
+} rw_network;
 
 /* Sizes and numbers: of states, algebraic variables, inputs, parameters, discrete variables, outputs, masses, states and
  * algebraic variables together, entries of their matrix; of supports, limits, switches, stops, schedules, inputs that are
  * rates of others, clocks and the most entries of one, places of a carriage, borders between them, their most margins;
- * room for the factors of a matrix; `coupled`: rates depend on states. Of a line by sections, which `sections` marks:
+ * `coupled`: rates depend on states. Of a line by sections, which `sections` marks:
  * their number, and the entries of the derivatives and of the matrix of its drives. Of a system with inertia, which `inertial`
  * marks: room of its core, most slots of a span, most thresholds of loads. `groups` of directions for the
- * matrix; room that the generated functions take. */
+ * matrix; `values` of the largest network. */
 typedef struct {
     int nx, nz, nu, np, nd, ny, nm, nw, nnz, nk, nl, nsw, ne, ns, nf, nc, nq, npl, nb, ng;
-    int lcap, ucap, coupled, sections, nsec, ncp, dnnz, groups, sz_arg, sz_res, sz_iw, sz_w;
+    int coupled, sections, nsec, ncp, dnnz, groups, values;
     int inertial, core_y, core_value, core_kernel, core_dense, core_pivot, core_band, core_room, slots, nth;
     double tolerance, force_scale, force_near, stop_deceleration, mean_span;
     double zone, zone_past, zone_near, zone_beyond, zone_early, zone_joined; /* see support_zones.py */
@@ -52,18 +56,13 @@ extern const rw_sizes rw_size;
 #define RW_NPL rw_size.npl
 #define RW_NB rw_size.nb
 #define RW_NG rw_size.ng
-#define RW_LCAP rw_size.lcap
-#define RW_UCAP rw_size.ucap
 #define RW_COUPLED rw_size.coupled
 #define RW_SECTIONS rw_size.sections
 #define RW_NSEC rw_size.nsec
 #define RW_NCP rw_size.ncp
 #define RW_DNNZ rw_size.dnnz
 #define RW_GROUPS rw_size.groups
-#define RW_SZ_ARG rw_size.sz_arg
-#define RW_SZ_RES rw_size.sz_res
-#define RW_SZ_IW rw_size.sz_iw
-#define RW_SZ_W rw_size.sz_w
+#define RW_VALUES rw_size.values
 #define RW_INERTIAL rw_size.inertial
 #define RW_CORE_Y rw_size.core_y
 #define RW_CORE_VALUE rw_size.core_value
@@ -87,14 +86,16 @@ extern const rw_sizes rw_size;
 #define RW_ZONE_JOINED rw_size.zone_joined
 
 extern const char rw_fingerprint[RW_FINGERPRINT]; /* of the content of this FMU */
-extern const rw_pattern rw_whole, rw_drives;      /* the whole system, and the drives of a line alone */
+extern const rn_pattern rw_whole, rw_drives;      /* the whole system, and the drives of a line alone */
+extern const int rw_whole_colind[], rw_drives_colind[]; /* where their columns begin */
 extern const rs_line rw_line;
 extern const ri_line rw_core;
 
-int rw_dae(const double **arg, double **res, int *iw, double *w, int mem);
-int rw_outputs(const double **arg, double **res, int *iw, double *w, int mem);
-int rw_tangent(const double **arg, double **res, int *iw, double *w, int mem);
-extern const rw_function rw_jacobian_of[], rw_rates_alone[], rw_limits_alone[], rw_coupling[], rw_clock_update[], rw_margins[];
+/* of each place of a carriage, or one: f and g; f, g and y with changes; f and g with derivatives by x and z, where the
+ * compiled core does not solve the system; margins */
+extern const rw_network rw_net_equations[], rw_net_all[], rw_net_matrix[], rw_net_margins[];
+/* f; f with derivatives by x and z; outputs that have limits; of each clock the new values of its entries */
+extern const rw_network rw_net_rates[], rw_net_coupling[], rw_net_limits[], rw_net_clock[];
 
 /* start values and scales */
 extern const double rw_x_start[], rw_z_start[], rw_u_start[], rw_p_start[], rw_d_start[], rw_mass_start[];

@@ -25,13 +25,7 @@ static void add_up(const rn_network *net, double *w, int first, int last)
 /* All calls, one after the other. */
 void rn_evaluate(const rn_network *net, double *w)
 {
-    double *v = w + net->values;
-    for (int k = 0; k < net->calls; k++) {
-        const int *from = net->input + begin(net->inputs_end, k);
-        int n = net->inputs_end[k] - begin(net->inputs_end, k);
-        for (int i = 0; i < n; i++) v[i] = w[from[i]];
-        net->kernels[k](v, w + net->result[k]);
-    }
+    rn_call(&net->calls, w);
 }
 
 /* Scaled residuals at v; their norm. */

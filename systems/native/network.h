@@ -4,29 +4,14 @@
 #ifndef NETWORK_H
 #define NETWORK_H
 
-#ifdef _WIN32
-#define RN_API __declspec(dllexport)
-#else
-#define RN_API __attribute__((visibility("default")))
-#endif
+#include "calls.h"
+#include "sparse_lu.h"
 
-typedef void (*rn_kernel)(const double *v, double *r);
-
-enum { RN_OK, RN_SINGULAR, RN_STUCK, RN_SLOW, RN_MEMORY };
-
-/* A sparse matrix by columns: ends of columns, rows; the columns in the `order` in which they are eliminated, and the row
- * that each should take: one of the first `inner` for the first `inner` columns, then just that one. */
+/* The values are entries of the vectors, results of calls, sums, and the number one. */
 typedef struct {
-    int n, inner;
-    const int *column_end, *row, *order, *diagonal;
-} rn_pattern;
-
-/* Places count in one array of values: entries of the vectors, results of calls, sums, and the number one. */
-typedef struct {
+    rn_calls calls;
     rn_pattern pattern; /* of the matrix: residuals by unknowns */
-    int calls, values, sums, drifts, entries, balances;
-    /* of each call: where its result begins; the end of its inputs in `input`, the places that it reads */
-    const int *result, *inputs_end, *input;
+    int sums, drifts, entries, balances;
     /* of each sum of products: its place, and the end of its terms: first those of the matrix, then `drifts` of rates */
     const int *sum, *terms_end, *factor, *other;
     /* of each unknown its place; of each residual its place; of each residual its drift where rates are asked for */
@@ -35,7 +20,6 @@ typedef struct {
     /* travels that can be held back: residual, unknown, entry of the matrix; `sign` */
     const int *balance_residual, *balance_unknown, *balance_entry;
     const double *sign;
-    const rn_kernel *kernels; /* of each call */
 } rn_network;
 
 /* What a solve is given besides the start. */
@@ -48,19 +32,6 @@ typedef struct {
 
 RN_API void rn_evaluate(const rn_network *net, double *values);
 RN_API void rn_matrix(const rn_network *net, const rn_problem *q, const double *v, double *entries);
-RN_API int rn_pivots(const rn_pattern *pattern, const double *entries, const int *take, double *pivots);
 RN_API int rn_solve(const rn_network *net, const rn_problem *q, double *v, double *residual, double *rates);
-
-/* sparse_lu.c */
-typedef struct {
-    int n, size_l, size_u, steps, known; /* steps: columns that are eliminated; known: all of an earlier matrix */
-    int *lower_end, *upper_end, *step_of, *lower, *upper, *mark, *stack, *place, *reached;
-    double *l, *u, *work;
-} rn_factors;
-
-int rn_new_factors(rn_factors *f, int n);
-void rn_free_factors(rn_factors *f);
-int rn_factor(rn_factors *f, const rn_pattern *a, const double *entries);
-void rn_back(const rn_factors *f, const rn_pattern *a, double *b);
 
 #endif

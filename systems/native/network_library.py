@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import ctypes
 
-from ropeway.systems.native.c_library import core_library
+from ropeway.systems.native.c_library import CallTables, core_library
 
-FILES = ("network.h", "network.c", "sparse_lu.c")
+FILES = ("calls.h", "sparse_lu.h", "network.h", "calls.c", "network.c", "sparse_lu.c")
 
-NETWORK_SIZES = ("calls", "values", "sums", "drifts", "entries", "balances")
+NETWORK_SIZES = ("sums", "drifts", "entries", "balances")
 NETWORK_INTEGERS = (
-    *("result", "inputs_end", "input"),
     *("sum", "terms_end", "factor", "other"),
     *("unknown", "residual", "drift"),
     "entry",
@@ -31,9 +30,10 @@ class NetworkTables(ctypes.Structure):
     """rn_network."""
 
     _fields_ = (
+        ("calls", CallTables),
         ("pattern", MatrixPattern),
         *((name, ctypes.c_int) for name in NETWORK_SIZES),
-        *((name, ctypes.c_void_p) for name in (*NETWORK_INTEGERS, "sign", "kernels")),
+        *((name, ctypes.c_void_p) for name in (*NETWORK_INTEGERS, "sign")),
     )
 
 

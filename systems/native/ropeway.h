@@ -1,7 +1,7 @@
 /* A cable system: solution of its equations, loads that move from span to span, time integration.
  *
- * The sizes RW_N... and all tables are in model_data.c, the equations rw_dae, rw_outputs and rw_tangent in files of these
- * names; these are generated. fmi2.c and fmi3.c are the FMI wrappers. */
+ * The sizes RW_N... and all tables are in model_data.c, the kernels of components in files of their own; these are
+ * generated. fmi2.c and fmi3.c are the FMI wrappers. */
 #ifndef ROPEWAY_H
 #define ROPEWAY_H
 
@@ -21,14 +21,12 @@ typedef struct {
     double *x, *z;
 } rw_point;
 
-/* The factors of the scaled matrix [I - hg df/dx, -hg df/dz; dg/dx, dg/dz]. */
+/* The scaled matrix [I - hg df/dx, -hg df/dz; dg/dx, dg/dz], whose factors are in rw_instance.whole. */
 typedef struct {
     double hg;
     int valid, exact; /* exact: evaluated at the present point */
-    int *lp, *up, *pinv, *li, *ui;
-    double *lx, *ux;
-    double *jac; /* derivatives of f and g by x and z */
-} rw_factors;
+    double *jac;      /* derivatives of f and g by x and z */
+} rw_matrix_state;
 
 /* Trial states beyond the next crossing (Model Exchange): times after the held point at which it is reached, and at which
  * the equations had no solution; time of the solution kept for later states, and this; rates at the held point. */
@@ -50,7 +48,7 @@ typedef struct {
     double slope_from; /* time from which `slope` counts */
     rw_point now, held; /* held: last accepted point of a carriage, or in Model Exchange */
     rw_ahead ahead;
-    rw_factors lu; /* the last: the compiled core uses it within a call only */
+    rw_matrix_state lu; /* the last: the compiled core uses it within a call only */
     int *passed;   /* loads that have passed each support */
     int *broken;   /* violated limits */
     int *ticks;    /* of each clock */
@@ -94,17 +92,16 @@ typedef struct {
     int has_event_mode, stops_at_events; /* Co-Simulation of FMI 3.0: a step may end at an event, for the importer to handle */
     int event;                           /* the last step has an event at its end or, if it does not stop there, in it */
     /* workspace within a call */
-    double *f, *g, *residual, *increment, *w, *first, *work, *values;
+    double *f, *g, *residual, *increment, *w, *first, *values;
     double *dx, *dz, *du, *dp, *dd, *dm, dt, *df, *dg, *dy;
     unsigned char *backup; /* a saved state */
     double *sample, *fresh, *margin, *margin_before, *no_margin, *limit, *indicator, *input_rate, *input_begin, *input_end;
     unsigned char *changes, *just, *forward, *backward;
-    double *none; /* zeros */
     double *line_work, *rope, *us_rate;
     long long *used;   /* of each span: loads in it */
-    rw_factors drives; /* of the drives of a line */
+    rn_factors whole, drives; /* of the matrix of the state, and of the drives of a line */
+    int drives_valid;
     double *coupling, *us, *stage[4], *base;
-    int *mark, *stack, *place, *order, *row_of;
     rw_crossing *due;
     double *goal_p, *goal_mass, *goal_x;        /* values that a start leads to */
     rw_point from, path_from, path_to, trial;   /* copies of points */
@@ -116,10 +113,7 @@ typedef struct {
     rw_moving_slot *known; /* four spans */
     double *y_here, *y_later, *y_earlier, *watch_low, *watch_high, *input_reached;
     int *watched, *watch_of;
-    const double **arg;
-    double **res;
-    int *iw;
-    double *cw;
+    double *value, *change; /* of a network, and changes of these */
     /* of a step along the drives of a line */
     rw_point course_from, course_to;
     double *course_rate, *course_end_rate, *since;
@@ -128,10 +122,6 @@ typedef struct {
     int *start_passed;
     unsigned char *memory; /* all of this */
 } rw_instance;
-
-/* ropeway_sparse.c */
-int rw_factor(rw_instance *m, const rw_pattern *a, rw_factors *lu, const double *values);
-void rw_back(const rw_pattern *a, const rw_factors *lu, double *b, double *work, int *row_of);
 
 /* ropeway_log.c */
 void rw_message(rw_instance *m, rw_status status, const char *category, const char *format, ...);
@@ -147,7 +137,6 @@ void rw_copy_point(rw_point *to, const rw_point *from);
 
 /* ropeway_slots.c */
 void rw_place_loads(rw_instance *m);
-void rw_take_state(rw_instance *m, const unsigned char *state);
 double rw_load_position(const rw_instance *m, int run, int i);
 double rw_load_mass(const rw_instance *m, int run, int i);
 double rw_drag_area(int run, int i);
@@ -163,15 +152,21 @@ rw_status rw_check_slots(rw_instance *m);
 rw_status rw_lengths(rw_instance *m);
 
 /* ropeway_functions.c */
-void rw_point_arguments(rw_instance *m, const double *t, const double *x, const double *z, const double *u);
+int rw_place_of(const rw_instance *m);
 int rw_all_finite(const double *v, int n);
 void rw_inputs_at(rw_instance *m, double t, double *u);
 void rw_input_rates(const rw_instance *m, double t, double factor, double *du);
 double rw_stop_end(const rw_instance *m, int i);
 int rw_equations(rw_instance *m, double t, const double *x, const double *z, const double *u);
 int rw_rate_function(rw_instance *m, double t, const double *x, const double *z, const double *u, double *rate);
+int rw_outputs_at(rw_instance *m, const rw_point *q, double *y);
+int rw_limit_outputs(rw_instance *m);
+int rw_margins(rw_instance *m);
 int rw_sample(rw_instance *m, int clock);
+int rw_derivatives(rw_instance *m, double t, const double *x, const double *z, const double *u, double *entries);
 int rw_couplings(rw_instance *m);
+void rw_call_with_changes(rw_instance *m);
+void rw_changes(rw_instance *m);
 int rw_drives_alone(rw_instance *m);
 
 /* ropeway_lines.c */
@@ -192,10 +187,10 @@ int rw_core_solve(rw_instance *m);
 /* ropeway_solve.c */
 int rw_matrix(rw_instance *m, double t, const double *x, const double *z, const double *u);
 int rw_factor_matrix(rw_instance *m, double hg);
+void rw_take_state(rw_instance *m, const unsigned char *state);
 rw_status rw_fail(rw_instance *m, const char *reason, double t);
 rw_status rw_newton(rw_instance *m, double t, double *x, double *z, const double *u, const double *base, double hg);
 rw_status rw_solve_here(rw_instance *m);
-rw_status rw_margins_of(rw_instance *m);
 
 /* ropeway_places.c */
 void rw_start_place(rw_instance *m);

@@ -14,10 +14,7 @@ rw_status rw_show(rw_instance *m)
 {
     rw_status status = rw_solve(m);
     if (status != RW_OK || m->s.shown) return status;
-    rw_inputs_at(m, m->s.now.t, m->us);
-    rw_point_arguments(m, &m->s.now.t, m->s.now.x, m->s.now.z, m->us);
-    m->res[0] = m->s.y;
-    if (rw_outputs(m->arg, m->res, m->iw, m->cw, 0) || !rw_all_finite(m->s.y, RW_NY)) {
+    if (rw_outputs_at(m, &m->s.now, m->s.y)) {
         rw_message(m, RW_DISCARD, "logStatusDiscard", "The outputs are not finite at t = %.9g s", m->s.now.t);
         return RW_DISCARD;
     }
@@ -28,16 +25,13 @@ rw_status rw_show(rw_instance *m)
 /* Values of the limits' outputs at the present solution, in m->limit. */
 rw_status rw_limit_values(rw_instance *m)
 {
-    rw_status status = RW_SECTIONS ? rw_solve(m) : rw_show(m);
+    rw_status status = RW_NPL ? rw_show(m) : rw_solve(m);
     if (status != RW_OK) return status;
-    if (!RW_SECTIONS || m->s.shown) {
+    if (m->s.shown) {
         for (int i = 0; i < RW_NL; i++) m->limit[i] = m->s.y[rw_limit_output[i]];
         return RW_OK;
     }
-    rw_inputs_at(m, m->s.now.t, m->us);
-    rw_point_arguments(m, &m->s.now.t, m->s.now.x, m->s.now.z, m->us);
-    m->res[0] = m->limit;
-    if (!rw_limits_alone[0](m->arg, m->res, m->iw, m->cw, 0) && rw_all_finite(m->limit, RW_NL)) return RW_OK;
+    if (!rw_limit_outputs(m)) return RW_OK;
     rw_message(m, RW_DISCARD, "logStatusDiscard", "The limits are not finite at t = %.9g s", m->s.now.t);
     return RW_DISCARD;
 }
@@ -72,9 +66,9 @@ rw_status rw_rates(rw_instance *m)
     }
     memset(m->increment, 0, RW_NW * sizeof(double));
     for (int j = 0; j < RW_NX; j++)
-        for (int p = rw_whole.colind[j]; p < rw_whole.colind[j + 1]; p++)
+        for (int p = rw_whole_colind[j]; p < rw_whole_colind[j + 1]; p++)
             if (rw_whole.row[p] >= RW_NX) m->increment[rw_whole.row[p]] -= m->s.lu.jac[p] * m->s.rate[j] / rw_r_nominal[rw_whole.row[p] - RW_NX];
-    rw_back(&rw_whole, &m->s.lu, m->increment, m->work, m->row_of);
+    rn_back(&m->whole, &rw_whole, m->increment);
     for (int i = 0; i < RW_NZ; i++) m->s.zrate[i] = m->increment[RW_NX + i] * rw_z_nominal[i];
     m->s.rated = 1;
     return RW_OK;
@@ -87,23 +81,13 @@ rw_status rw_tangent_of(rw_instance *m)
     if (status != RW_OK) return status;
     memset(m->dz, 0, RW_NZ * sizeof(double));
     rw_slot_seeds(m);
+    rw_call_with_changes(m);
     for (int pass = 0; pass < 2; pass++) {
-        rw_inputs_at(m, m->s.now.t, m->us);
-        rw_point_arguments(m, &m->s.now.t, m->s.now.x, m->s.now.z, m->us);
-        m->arg[6] = &m->dt;
-        m->arg[7] = m->dx;
-        m->arg[8] = m->dz;
-        m->arg[9] = m->du;
-        m->arg[10] = m->dp;
-        m->arg[11] = m->dd;
-        m->res[0] = m->df;
-        m->res[1] = m->dg;
-        m->res[2] = m->dy;
-        if (rw_tangent(m->arg, m->res, m->iw, m->cw, 0)) return RW_DISCARD;
+        rw_changes(m);
         if (pass == 0) {
             memset(m->increment, 0, RW_NW * sizeof(double));
             for (int i = 0; i < RW_NZ; i++) m->increment[RW_NX + i] = -m->dg[i] / rw_r_nominal[i];
-            rw_back(&rw_whole, &m->s.lu, m->increment, m->work, m->row_of);
+            rn_back(&m->whole, &rw_whole, m->increment);
             for (int i = 0; i < RW_NZ; i++) m->dz[i] = m->increment[RW_NX + i] * rw_z_nominal[i];
         }
     }

@@ -1,16 +1,43 @@
-/* Values of the generated functions at a point, and inputs in time. */
+/* Values of the networks at a point, and inputs in time. */
 #include <math.h>
 #include <string.h>
 #include "ropeway.h"
 
-void rw_point_arguments(rw_instance *m, const double *t, const double *x, const double *z, const double *u)
+/* Place of a carriage: the part of the tables that counts. */
+int rw_place_of(const rw_instance *m)
 {
-    m->arg[0] = t;
-    m->arg[1] = x;
-    m->arg[2] = z;
-    m->arg[3] = u;
-    m->arg[4] = m->s.p;
-    m->arg[5] = m->s.d;
+    return RW_NPL ? (int)(m->s.d[0] + 0.5) : 0;
+}
+
+static double *put(double *to, const double *values, int count)
+{
+    memcpy(to, values, count * sizeof(double));
+    return to + count;
+}
+
+/* Makes the calls of a network. */
+static void call(rw_instance *m, const rw_network *net, double t, const double *x, const double *z, const double *u)
+{
+    double *to = m->value;
+    *to++ = t;
+    to = put(put(put(to, x, RW_NX), z, RW_NZ), u, RW_NU);
+    put(put(to, m->s.p, RW_NP), m->s.d, RW_ND);
+    rn_call(&net->calls, m->value);
+}
+
+/* The results of a network of which the first is `first`; not 0 where they are not finite. */
+static int take(const rw_network *net, const double *from, int first, int count, double *to)
+{
+    for (int i = 0; i < count; i++) to[i] = from[net->row[first + i]];
+    return !rw_all_finite(to, count);
+}
+
+/* The results from the first one, at a point with the inputs of the present time. */
+static int evaluate(rw_instance *m, const rw_network *net, const rw_point *q, int first, double *rows)
+{
+    rw_inputs_at(m, m->s.now.t, m->us);
+    call(m, net, q->t, q->x, q->z, m->us);
+    return take(net, m->value, first, net->rows - first, rows);
 }
 
 int rw_all_finite(const double *v, int n)
@@ -74,41 +101,93 @@ void rw_input_rates(const rw_instance *m, double t, double factor, double *du)
 /* Rates and residuals at a point, in m->f and m->g; not 0 where they are not finite. */
 int rw_equations(rw_instance *m, double t, const double *x, const double *z, const double *u)
 {
-    rw_point_arguments(m, &t, x, z, u);
-    m->res[0] = m->f;
-    m->res[1] = m->g;
-    return rw_dae(m->arg, m->res, m->iw, m->cw, 0) || !rw_all_finite(m->f, RW_NX) || !rw_all_finite(m->g, RW_NZ);
+    const rw_network *net = &rw_net_equations[rw_place_of(m)];
+    call(m, net, t, x, z, u);
+    return take(net, m->value, 0, RW_NX, m->f) | take(net, m->value, RW_NX, RW_NZ, m->g);
 }
 
 int rw_rate_function(rw_instance *m, double t, const double *x, const double *z, const double *u, double *rate)
 {
-    if (RW_SECTIONS) {
-        rw_point_arguments(m, &t, x, z, u);
-        m->res[0] = rate;
-        return rw_rates_alone[0](m->arg, m->res, m->iw, m->cw, 0) || !rw_all_finite(rate, RW_NX);
-    }
-    if (rw_equations(m, t, x, z, u)) return 1;
-    memcpy(rate, m->f, RW_NX * sizeof(double));
-    return 0;
+    call(m, rw_net_rates, t, x, z, u);
+    return take(rw_net_rates, m->value, 0, RW_NX, rate);
+}
+
+/* Outputs at a point, with the inputs of the present time. */
+int rw_outputs_at(rw_instance *m, const rw_point *q, double *y)
+{
+    return evaluate(m, &rw_net_all[rw_place_of(m)], q, RW_NW, y);
+}
+
+/* The outputs that have limits at the present point, in m->limit. */
+int rw_limit_outputs(rw_instance *m)
+{
+    return evaluate(m, rw_net_limits, &m->s.now, 0, m->limit);
+}
+
+/* Margins of the carriage's place at the present point, in m->margin. */
+int rw_margins(rw_instance *m)
+{
+    return evaluate(m, &rw_net_margins[rw_place_of(m)], &m->s.now, 0, m->margin);
 }
 
 /* New values of a clock at the present point, in m->sample. */
 int rw_sample(rw_instance *m, int clock)
 {
-    int n = rw_clock_first[clock + 1] - rw_clock_first[clock];
-    rw_inputs_at(m, m->s.now.t, m->us);
-    rw_point_arguments(m, &m->s.now.t, m->s.now.x, m->s.now.z, m->us);
-    m->res[0] = m->sample;
-    return rw_clock_update[clock](m->arg, m->res, m->iw, m->cw, 0) || !rw_all_finite(m->sample, n);
+    return evaluate(m, &rw_net_clock[clock], &m->s.now, 0, m->sample);
+}
+
+/* Derivatives of the results of a network by x and z, the entries of a matrix by columns: by changes in the directions
+ * of groups of these, no result depends on two of a group. */
+static int matrix(rw_instance *m, const rw_network *net, int tangents, const int *colind, const int *row, double *entries)
+{
+    double *direction = m->change + 1;
+    memset(m->change, 0, (1 + RW_NW + RW_NU + RW_NP + RW_ND) * sizeof(double));
+    for (int group = 0; group < RW_GROUPS; group++) {
+        for (int j = 0; j < RW_NW; j++) direction[j] = rw_group[j] == group;
+        if (tangents) rn_change(&net->calls, net->tangents, m->value, m->change);
+        else rn_sweep(&net->calls, &net->derivatives, m->value, m->change);
+        for (int j = 0; j < RW_NW; j++)
+            for (int p = colind[j]; rw_group[j] == group && p < colind[j + 1]; p++) entries[p] = m->change[net->row[row[p]]];
+    }
+    return !rw_all_finite(entries, colind[RW_NW]);
+}
+
+/* Derivatives of f and g by x and z at a point, in the pattern of rw_whole. */
+int rw_derivatives(rw_instance *m, double t, const double *x, const double *z, const double *u, double *entries)
+{
+    const int seldom = RW_SECTIONS || RW_INERTIAL;
+    const rw_network *net = seldom ? rw_net_all : &rw_net_matrix[rw_place_of(m)];
+    call(m, net, t, x, z, u);
+    return matrix(m, net, seldom, rw_whole_colind, rw_whole.row, entries);
 }
 
 /* Derivatives of the rates of the drives of a line by states and algebraic variables, in m->coupling. */
 int rw_couplings(rw_instance *m)
 {
     rw_inputs_at(m, m->s.now.t, m->us);
-    rw_point_arguments(m, &m->s.now.t, m->s.now.x, m->s.now.z, m->us);
-    m->res[0] = m->coupling;
-    return rw_coupling[0](m->arg, m->res, m->iw, m->cw, 0) || !rw_all_finite(m->coupling, RW_NCP);
+    call(m, rw_net_coupling, m->s.now.t, m->s.now.x, m->s.now.z, m->us);
+    return matrix(m, rw_net_coupling, 0, rw_coupling_colind, rw_coupling_row, m->coupling);
+}
+
+/* Makes the calls at the present point whose changes rw_changes gives. */
+void rw_call_with_changes(rw_instance *m)
+{
+    rw_inputs_at(m, m->s.now.t, m->us);
+    call(m, &rw_net_all[rw_place_of(m)], m->s.now.t, m->s.now.x, m->s.now.z, m->us);
+}
+
+/* Changes of f, g and y for those of all that they depend on. */
+void rw_changes(rw_instance *m)
+{
+    const rw_network *net = &rw_net_all[rw_place_of(m)];
+    double *to = m->change;
+    *to++ = m->dt;
+    to = put(put(put(to, m->dx, RW_NX), m->dz, RW_NZ), m->du, RW_NU);
+    put(put(to, m->dp, RW_NP), m->dd, RW_ND);
+    rn_change(&net->calls, net->tangents, m->value, m->change);
+    take(net, m->change, 0, RW_NX, m->df);
+    take(net, m->change, RW_NX, RW_NZ, m->dg);
+    take(net, m->change, RW_NW, RW_NY, m->dy);
 }
 
 /* Whether the rates of the drives of a line do not depend on its tensions here: no limit of one is active. */

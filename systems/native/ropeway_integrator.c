@@ -56,15 +56,15 @@ static int drive_matrix(rw_instance *m, double hg, int alone)
     for (int j = 0; j < RW_NX; j++) {
         memset(m->df, 0, RW_NX * sizeof(double));
         for (int p = rw_coupling_colind[j]; p < rw_coupling_colind[j + 1]; p++) m->df[rw_coupling_row[p]] = m->coupling[p];
-        for (int p = rw_drives.colind[j]; p < rw_drives.colind[j + 1]; p++) {
+        for (int p = rw_drives_colind[j]; p < rw_drives_colind[j + 1]; p++) {
             int i = rw_drives.row[p];
             values[p] = (i == j ? 1.0 : 0.0) - hg * m->df[i] * rw_x_nominal[j] / rw_x_nominal[i];
         }
     }
     if (!alone) rw_through_line(m, m->coupling, -hg, values);
-    m->drives.hg = hg;
-    m->drives.valid = rw_factor(m, &rw_drives, &m->drives, values) == 0;
-    return !m->drives.valid;
+    m->drives.known = 0; /* a step depends on nothing before */
+    m->drives_valid = rn_factor(&m->drives, &rw_drives, values) == RN_OK;
+    return !m->drives_valid;
 }
 
 /* A stage of the drives of a line: solves x - base - hg f = 0 by Newton's method, with the line in each iteration unless
@@ -79,9 +79,9 @@ static rw_status drive_stage(rw_instance *m, double hg, int alone)
         if (status != RW_OK) return status;
         rw_inputs_at(m, q->t, m->us);
         if (rw_rate_function(m, q->t, q->x, q->z, m->us, m->f)) return RW_DISCARD;
-        if (!m->drives.valid && drive_matrix(m, hg, alone)) return RW_DISCARD;
+        if (!m->drives_valid && drive_matrix(m, hg, alone)) return RW_DISCARD;
         for (int i = 0; i < RW_NX; i++) m->increment[i] = (q->x[i] - m->base[i] - hg * m->f[i]) / rw_x_nominal[i];
-        rw_back(&rw_drives, &m->drives, m->increment, m->work, m->row_of);
+        rn_back(&m->drives, &rw_drives, m->increment);
         for (int i = 0; i < RW_NX; i++) {
             q->x[i] -= m->increment[i] * rw_x_nominal[i];
             if (!(fabs(m->increment[i]) <= size)) size = fabs(m->increment[i]);
@@ -90,7 +90,7 @@ static rw_status drive_stage(rw_instance *m, double hg, int alone)
         rate = size / last; /* 0 in the first iteration */
         if (size <= STAGE_TOLERANCE || (isfinite(last) && rate < 0.5 && size * rate <= STAGE_TOLERANCE)) return RW_OK;
         if (last < 1e-9 && rate > 0.5) return RW_OK; /* at the level of rounding errors */
-        if (rate > 0.3) m->drives.valid = 0;
+        if (rate > 0.3) m->drives_valid = 0;
         last = size;
     }
     return RW_DISCARD;
@@ -102,7 +102,7 @@ static rw_status coupled_step(rw_instance *m, const rw_point *from, double h, in
     double hg = h * GAMMA;
     rw_status status;
     memcpy(m->stage[0], m->s.rate, RW_NX * sizeof(double));
-    m->drives.valid = 0;
+    m->drives_valid = 0;
     if (!RW_SECTIONS && rw_factor_matrix(m, hg)) return RW_DISCARD;
     for (int i = 1; i < 4; i++) {
         double part = i == 1 ? stage_time[1] : i == 2 ? 0.6 - stage_time[1] : 0.4;

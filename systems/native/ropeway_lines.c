@@ -124,7 +124,7 @@ void rw_through_line(rw_instance *m, const double *coupling, double factor, doub
                         m->df[rw_coupling_row[p]] += coupling[p] * m->dz[places[i]];
             }
         }
-        for (int p = rw_drives.colind[j]; p < rw_drives.colind[j + 1]; p++)
+        for (int p = rw_drives_colind[j]; p < rw_drives_colind[j + 1]; p++)
             values[p] += factor * m->df[rw_drives.row[p]] * rw_x_nominal[j] / rw_x_nominal[rw_drives.row[p]];
         m->dx[j] = 0.0;
     }

@@ -3,6 +3,8 @@
 #include <string.h>
 #include "ropeway.h"
 
+#define LEAST_PIVOT 1e-14 /* of a scaled matrix */
+
 /* An array: where the pointer to it is, the number of its entries, and the size of one. */
 typedef struct {
     void *pointer;
@@ -33,46 +35,26 @@ static size_t lay_out(const array *arrays, size_t count, unsigned char *memory)
 static size_t of_state(rw_instance *m, unsigned char *memory)
 {
     rw_state *s = &m->s;
-    int lu = !(RW_SECTIONS || RW_INERTIAL); /* else its factors are no part of it */
+    int own = !(RW_SECTIONS || RW_INERTIAL); /* else its matrix is no part of it */
     const array arrays[] = {
         DOUBLES(s->now.x, RW_NX), DOUBLES(s->now.z, RW_NZ), DOUBLES(s->held.x, RW_NX), DOUBLES(s->held.z, RW_NZ),
         DOUBLES(s->ahead.zrate, RW_NZ), DOUBLES(s->ahead.z, RW_NZ), DOUBLES(s->slope, RW_NU), DOUBLES(s->stop_speed, RW_NE),
         DOUBLES(s->u, RW_NU), DOUBLES(s->p, RW_NP), DOUBLES(s->d, RW_ND), DOUBLES(s->mass, RW_NM),
         DOUBLES(s->rate, RW_NX), DOUBLES(s->zrate, RW_NZ), DOUBLES(s->y, RW_NY),
         INTS(s->passed, RW_NK), INTS(s->broken, RW_NL), INTS(s->ticks, RW_NC), INTS(s->on, RW_NSW),
-        DOUBLES(s->lu.lx, lu * RW_LCAP), DOUBLES(s->lu.ux, lu * RW_UCAP), DOUBLES(s->lu.jac, lu * RW_NNZ),
-        INTS(s->lu.lp, lu * RW_NW), INTS(s->lu.up, lu * RW_NW), INTS(s->lu.pinv, lu * RW_NW),
-        INTS(s->lu.li, lu * RW_LCAP), INTS(s->lu.ui, lu * RW_UCAP),
+        DOUBLES(s->lu.jac, own * RW_NNZ),
     };
     return lay_out(arrays, COUNT(arrays), memory);
-}
-
-/* Factors that are no part of the state. */
-static size_t of_factors(rw_instance *m, unsigned char *memory)
-{
-    rw_factors *lu = &m->s.lu, *drives = &m->drives;
-    const array whole[] = {
-        DOUBLES(lu->lx, RW_LCAP), DOUBLES(lu->ux, RW_UCAP), DOUBLES(lu->jac, RW_NNZ), INTS(lu->lp, RW_NW),
-        INTS(lu->up, RW_NW), INTS(lu->pinv, RW_NW), INTS(lu->li, RW_LCAP), INTS(lu->ui, RW_UCAP),
-    };
-    const array alone[] = {
-        DOUBLES(drives->lx, RW_LCAP), DOUBLES(drives->ux, RW_UCAP), INTS(drives->lp, RW_NX), INTS(drives->up, RW_NX),
-        INTS(drives->pinv, RW_NX), INTS(drives->li, RW_LCAP), INTS(drives->ui, RW_UCAP),
-    };
-    size_t size;
-    if (!RW_SECTIONS && !RW_INERTIAL) return 0;
-    size = lay_out(whole, COUNT(whole), memory);
-    return size + lay_out(alone, COUNT(alone), memory ? memory + size : NULL);
 }
 
 /* The workspace. */
 static size_t of_calls(rw_instance *m, unsigned char *memory)
 {
     const int line = RW_SECTIONS ? rs_work_size(&rw_line) : 0, entries = RW_NNZ > RW_DNNZ ? RW_NNZ : RW_DNNZ;
-    const int saved = (int)rw_saved_size(m), zones = RW_INERTIAL, zeros = RW_NU + RW_NP + RW_ND;
+    const int saved = (int)rw_saved_size(m), zones = RW_INERTIAL;
     const array arrays[] = {
         DOUBLES(m->f, RW_NX), DOUBLES(m->g, RW_NZ), DOUBLES(m->residual, RW_NW), DOUBLES(m->increment, RW_NW),
-        DOUBLES(m->w, RW_NW), DOUBLES(m->first, RW_NW), DOUBLES(m->work, RW_NW), DOUBLES(m->values, entries),
+        DOUBLES(m->w, RW_NW), DOUBLES(m->first, RW_NW), DOUBLES(m->values, entries),
         DOUBLES(m->dx, RW_NX), DOUBLES(m->dz, RW_NZ), DOUBLES(m->du, RW_NU), DOUBLES(m->dp, RW_NP), DOUBLES(m->dd, RW_ND),
         DOUBLES(m->dm, RW_NM), DOUBLES(m->df, RW_NX), DOUBLES(m->dg, RW_NZ), DOUBLES(m->dy, RW_NY),
         BYTES(m->backup, saved), DOUBLES(m->sample, RW_NQ), DOUBLES(m->fresh, RW_ND),
@@ -80,11 +62,10 @@ static size_t of_calls(rw_instance *m, unsigned char *memory)
         DOUBLES(m->indicator, RW_NK + RW_NL + RW_NB), DOUBLES(m->input_rate, RW_NU), DOUBLES(m->input_begin, RW_NU),
         DOUBLES(m->input_end, RW_NU),
         BYTES(m->changes, RW_ND), BYTES(m->just, RW_NK), BYTES(m->forward, RW_NK), BYTES(m->backward, RW_NK),
-        DOUBLES(m->none, zeros), DOUBLES(m->line_work, line), DOUBLES(m->rope, RW_NK), DOUBLES(m->us_rate, RW_NU),
+        DOUBLES(m->line_work, line), DOUBLES(m->rope, RW_NK), DOUBLES(m->us_rate, RW_NU),
         {&m->used, RW_NK, sizeof(long long)}, DOUBLES(m->coupling, RW_NCP), DOUBLES(m->us, RW_NU),
         DOUBLES(m->stage[0], RW_NX), DOUBLES(m->stage[1], RW_NX), DOUBLES(m->stage[2], RW_NX), DOUBLES(m->stage[3], RW_NX),
-        DOUBLES(m->base, RW_NX), INTS(m->mark, RW_NW), INTS(m->stack, RW_NW), INTS(m->place, RW_NW), INTS(m->order, RW_NW),
-        INTS(m->row_of, RW_NW), {&m->due, RW_NK, sizeof(rw_crossing)},
+        DOUBLES(m->base, RW_NX), {&m->due, RW_NK, sizeof(rw_crossing)},
         DOUBLES(m->goal_p, RW_NP), DOUBLES(m->goal_mass, RW_NM), DOUBLES(m->goal_x, RW_NX),
         DOUBLES(m->from.x, RW_NX), DOUBLES(m->from.z, RW_NZ), DOUBLES(m->path_from.x, RW_NX), DOUBLES(m->path_from.z, RW_NZ),
         DOUBLES(m->path_to.x, RW_NX), DOUBLES(m->path_to.z, RW_NZ), DOUBLES(m->trial.x, RW_NX), DOUBLES(m->trial.z, RW_NZ),
@@ -97,8 +78,7 @@ static size_t of_calls(rw_instance *m, unsigned char *memory)
         DOUBLES(m->y_here, zones * RW_NY), DOUBLES(m->y_later, zones * RW_NY), DOUBLES(m->y_earlier, zones * RW_NY),
         DOUBLES(m->watch_low, RW_NK), DOUBLES(m->watch_high, RW_NK), DOUBLES(m->input_reached, RW_NU),
         INTS(m->watched, RW_NK), INTS(m->watch_of, RW_NK),
-        {&m->arg, RW_SZ_ARG, sizeof(double *)}, {&m->res, RW_SZ_RES, sizeof(double *)}, INTS(m->iw, RW_SZ_IW),
-        DOUBLES(m->cw, RW_SZ_W), DOUBLES(m->course_from.x, RW_NX), DOUBLES(m->course_from.z, RW_NZ),
+        DOUBLES(m->value, RW_VALUES), DOUBLES(m->change, RW_VALUES), DOUBLES(m->course_from.x, RW_NX), DOUBLES(m->course_from.z, RW_NZ),
         DOUBLES(m->course_to.x, RW_NX), DOUBLES(m->course_to.z, RW_NZ), DOUBLES(m->course_rate, RW_NX),
         DOUBLES(m->course_end_rate, RW_NX), DOUBLES(m->since, RW_NSEC), INTS(m->sections, RW_NSEC),
         DOUBLES(m->start_x, RW_NX), DOUBLES(m->start_z, RW_NZ), DOUBLES(m->start_d, RW_ND), DOUBLES(m->start_rate, RW_NX),
@@ -110,19 +90,24 @@ static size_t of_calls(rw_instance *m, unsigned char *memory)
 /* The arrays of an instance, filled with zeros; 1 where there is no memory for them. */
 int rw_take_memory(rw_instance *m)
 {
-    size_t factors = of_factors(m, NULL);
     m->state_memory = of_state(m, NULL);
-    m->memory = calloc(1, m->state_memory + factors + of_calls(m, NULL));
-    if (!m->memory) return 1;
+    m->memory = calloc(1, m->state_memory + of_calls(m, NULL) + (RW_NNZ + 1) * sizeof(double));
+    if (!m->memory || rn_new_factors(&m->whole, RW_NW) || rn_new_factors(&m->drives, RW_NX)) {
+        rw_leave_memory(m);
+        return 1;
+    }
+    m->whole.least = m->drives.least = LEAST_PIVOT;
     m->s.memory = m->memory;
     of_state(m, m->memory);
-    of_factors(m, m->memory + m->state_memory);
-    of_calls(m, m->memory + m->state_memory + factors);
+    of_calls(m, m->memory + m->state_memory);
+    if (RW_SECTIONS || RW_INERTIAL) m->s.lu.jac = (double *)(m->memory + m->state_memory + of_calls(m, NULL));
     return 0;
 }
 
 void rw_leave_memory(rw_instance *m)
 {
+    rn_free_factors(&m->whole);
+    rn_free_factors(&m->drives);
     free(m->memory);
 }
 
@@ -134,7 +119,7 @@ static const struct {
     {offsetof(rw_state, now.t), sizeof(double)},
     {offsetof(rw_state, held.t), sizeof(double)},
     {offsetof(rw_state, ahead), offsetof(rw_ahead, zrate)},
-    {offsetof(rw_state, lu), offsetof(rw_factors, lp)},
+    {offsetof(rw_state, lu), offsetof(rw_matrix_state, jac)},
 };
 
 size_t rw_saved_size(const rw_instance *m)

@@ -11,17 +11,12 @@
 #define TRIALS 1000
 #define CHANGES 50 /* largest number of transitions within one solution */
 
-static int place_of(const rw_instance *m)
-{
-    return (int)(m->s.d[0] + 0.5);
-}
-
 void rw_start_place(rw_instance *m)
 {
     m->s.held.t = m->s.now.t;
     memcpy(m->s.held.x, rw_x_start, RW_NX * sizeof(double));
     memcpy(m->s.held.z, rw_z_start, RW_NZ * sizeof(double));
-    m->s.place = place_of(m);
+    m->s.place = rw_place_of(m);
 }
 
 /* Logs a transition of the carriage. */
@@ -38,10 +33,10 @@ static void report(rw_instance *m, int from, int to)
 void rw_hold(rw_instance *m)
 {
     if (!RW_NPL) return;
-    if (!m->co_simulation && m->s.mode > RW_INITIALIZATION && m->s.place != place_of(m))
-        report(m, m->s.place, place_of(m));
+    if (!m->co_simulation && m->s.mode > RW_INITIALIZATION && m->s.place != rw_place_of(m))
+        report(m, m->s.place, rw_place_of(m));
     rw_copy_point(&m->s.held, &m->s.now);
-    m->s.place = place_of(m);
+    m->s.place = rw_place_of(m);
 }
 
 /* Solves at a fraction of the path, from the present algebraic variables, and evaluates the margins. */
@@ -53,13 +48,13 @@ static rw_status solve_at(rw_instance *m, const rw_point *from, const rw_point *
     for (int i = 0; i < RW_NX; i++) q->x[i] = share == 1.0 ? to->x[i] : from->x[i] + share * (to->x[i] - from->x[i]);
     m->s.solved = m->s.rated = m->s.shown = 0;
     status = rw_solve_here(m);
-    return status == RW_OK ? rw_margins_of(m) : status;
+    return status != RW_OK ? status : rw_margins(m) ? RW_DISCARD : RW_OK;
 }
 
 /* Number of the margin that became negative first since `before`; -1 if none did. */
 static int violated_margin(const rw_instance *m, const double *before)
 {
-    int found = -1, place = place_of(m);
+    int found = -1, place = rw_place_of(m);
     double first = INFINITY;
     for (int i = 0; i < rw_passage_first[place + 1] - rw_passage_first[place]; i++) {
         double share = before[i] <= RW_NEAR ? 0.0 : before[i] / (before[i] - m->margin[i]);
@@ -73,7 +68,7 @@ static int violated_margin(const rw_instance *m, const double *before)
 /* Transition to the place beyond margin i. */
 static rw_status transition(rw_instance *m, int i, const rw_point *from, const rw_point *to, double share)
 {
-    int place = place_of(m), row = rw_passage_first[place] + i, beyond = rw_passage_to[row];
+    int place = rw_place_of(m), row = rw_passage_first[place] + i, beyond = rw_passage_to[row];
     if (beyond < 0) {
         rw_message(m, RW_ERROR, "logStatusError", "At t = %.9g s: %s", m->s.now.t, rw_passage_event[row]);
         return RW_ERROR;
@@ -150,7 +145,7 @@ rw_status rw_follow(rw_instance *m)
     rw_status status;
     rw_copy_point(&m->path_from, &m->s.held);
     rw_copy_point(&m->path_to, &m->s.now);
-    if (place_of(m) != m->s.place) { /* the last point was a rejected trial of the importer */
+    if (rw_place_of(m) != m->s.place) { /* the last point was a rejected trial of the importer */
         m->s.d[0] = m->s.place;
         memcpy(m->s.now.z, from->z, RW_NZ * sizeof(double));
         m->s.lu.valid = 0;
@@ -173,9 +168,8 @@ rw_status rw_follow(rw_instance *m)
 /* One indicator for each transition between consecutive places: positive before it, negative beyond. */
 rw_status rw_border_indicators(rw_instance *m, double *indicator)
 {
-    int place = place_of(m);
-    rw_status status = rw_margins_of(m);
-    if (status != RW_OK) return status;
+    int place = rw_place_of(m);
+    if (rw_margins(m)) return RW_DISCARD;
     for (int j = 0; j < RW_NB; j++) indicator[j] = place <= j ? 1.0 : -1.0;
     for (int row = rw_passage_first[place]; row < rw_passage_first[place + 1]; row++) {
         double left = fmax(m->margin[row - rw_passage_first[place]] + 2.0 * RW_NEAR, RW_NEAR);

@@ -16,14 +16,6 @@ void rw_place_loads(rw_instance *m)
     }
 }
 
-/* Takes over a saved state. */
-void rw_take_state(rw_instance *m, const unsigned char *state)
-{
-    rw_restore(m, state);
-    if (RW_SECTIONS || RW_INERTIAL) m->s.lu.valid = 0;
-    rw_place_loads(m);
-}
-
 /* Revolution of load i on an endless rope, rounded down; 0 on a rope with ends. */
 static int revolution_of(int run, int i)
 {

@@ -18,37 +18,11 @@ static double residual(rw_instance *m, double t, const double *x, const double *
     return isfinite(sum) ? sqrt(sum) : INFINITY;
 }
 
-/* Derivatives of f and g by x and z at a point, by changes in the directions of groups of these: no equation depends on
- * two of a group. */
-static int by_groups(rw_instance *m)
-{
-    const double zero = 0.0;
-    double *direction = m->work;
-    for (int group = 0; group < RW_GROUPS; group++) {
-        for (int j = 0; j < RW_NW; j++) direction[j] = rw_group[j] == group;
-        m->arg[6] = &zero;
-        m->arg[7] = direction;
-        m->arg[8] = direction + RW_NX;
-        m->arg[9] = m->arg[10] = m->arg[11] = m->none;
-        m->res[0] = m->f;
-        m->res[1] = m->g;
-        m->res[2] = NULL;
-        if (rw_tangent(m->arg, m->res, m->iw, m->cw, 0)) return 1;
-        for (int j = 0; j < RW_NW; j++)
-            for (int p = rw_whole.colind[j]; rw_group[j] == group && p < rw_whole.colind[j + 1]; p++)
-                m->s.lu.jac[p] = rw_whole.row[p] < RW_NX ? m->f[rw_whole.row[p]] : m->g[rw_whole.row[p] - RW_NX];
-    }
-    return 0;
-}
-
 /* Derivatives of f and g by x and z at a point, in m->s.lu.jac. */
 int rw_matrix(rw_instance *m, double t, const double *x, const double *z, const double *u)
 {
-    rw_point_arguments(m, &t, x, z, u);
-    m->res[0] = m->s.lu.jac;
     m->s.lu.valid = 0;
-    if (RW_GROUPS ? by_groups(m) : rw_jacobian_of[0](m->arg, m->res, m->iw, m->cw, 0)) return 1;
-    return !rw_all_finite(m->s.lu.jac, RW_NNZ);
+    return rw_derivatives(m, t, x, z, u, m->s.lu.jac);
 }
 
 /* Factors of the scaled matrix from m->s.lu.jac. */
@@ -58,7 +32,7 @@ int rw_factor_matrix(rw_instance *m, double hg)
     double *values = m->values;
     for (int j = 0; j < RW_NW; j++) {
         double scale = j < nx ? rw_x_nominal[j] : rw_z_nominal[j - nx];
-        for (int p = rw_whole.colind[j]; p < rw_whole.colind[j + 1]; p++) {
+        for (int p = rw_whole_colind[j]; p < rw_whole_colind[j + 1]; p++) {
             int i = rw_whole.row[p];
             if (i < nx)
                 values[p] = (i == j ? 1.0 : 0.0) - hg * m->s.lu.jac[p] * scale / rw_x_nominal[i];
@@ -66,10 +40,24 @@ int rw_factor_matrix(rw_instance *m, double hg)
                 values[p] = m->s.lu.jac[p] * scale / rw_r_nominal[i - nx];
         }
     }
-    m->s.lu.valid = rw_factor(m, &rw_whole, &m->s.lu, values) == 0;
+    m->whole.known = 0; /* a state that is restored has the same factors */
+    m->s.lu.valid = rn_factor(&m->whole, &rw_whole, values) == RN_OK;
     m->s.lu.hg = hg;
     m->s.lu.exact = 0;
     return !m->s.lu.valid;
+}
+
+/* Takes over a saved state, with the factors of its matrix. */
+void rw_take_state(rw_instance *m, const unsigned char *state)
+{
+    rw_restore(m, state);
+    if (RW_SECTIONS || RW_INERTIAL) m->s.lu.valid = 0;
+    if (m->s.lu.valid) {
+        int exact = m->s.lu.exact;
+        rw_factor_matrix(m, m->s.lu.hg);
+        m->s.lu.exact = exact;
+    }
+    rw_place_loads(m);
 }
 
 rw_status rw_fail(rw_instance *m, const char *reason, double t)
@@ -139,7 +127,7 @@ rw_status rw_newton(rw_instance *m, double t, double *x, double *z, const double
             fresh = 1;
         }
         memcpy(m->increment, m->residual, RW_NW * sizeof(double));
-        rw_back(&rw_whole, &m->s.lu, m->increment, m->work, m->row_of);
+        rn_back(&m->whole, &rw_whole, m->increment);
         if (hg == 0.0) memset(m->increment, 0, RW_NX * sizeof(double)); /* x is given and stays unchanged */
         for (int i = 0; i < RW_NW; i++)
             if (!(fabs(m->increment[i]) <= size)) size = fabs(m->increment[i]);
@@ -185,13 +173,4 @@ rw_status rw_solve_here(rw_instance *m)
     m->s.solved = 1;
     m->s.rated = m->s.shown = 0;
     return RW_OK;
-}
-
-/* Margins of the carriage's place at the present solution, in m->margin. */
-rw_status rw_margins_of(rw_instance *m)
-{
-    rw_inputs_at(m, m->s.now.t, m->us);
-    rw_point_arguments(m, &m->s.now.t, m->s.now.x, m->s.now.z, m->us);
-    m->res[0] = m->margin;
-    return rw_margins[0](m->arg, m->res, m->iw, m->cw, 0) || !rw_all_finite(m->margin, RW_NG) ? RW_DISCARD : RW_OK;
 }

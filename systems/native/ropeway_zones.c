@@ -170,10 +170,7 @@ static rw_status outputs_at(rw_instance *m, int way, double *y)
     q->t += h;
     for (int i = 0; i < RW_NX; i++) q->x[i] += h * m->s.rate[i];
     for (int i = 0; i < RW_NZ; i++) q->z[i] += h * m->s.zrate[i];
-    rw_inputs_at(m, m->s.now.t, m->us);
-    rw_point_arguments(m, &q->t, q->x, q->z, m->us);
-    m->res[0] = y;
-    if (!rw_outputs(m->arg, m->res, m->iw, m->cw, 0) && rw_all_finite(y, RW_NY)) return RW_OK;
+    if (!rw_outputs_at(m, q, y)) return RW_OK;
     rw_message(m, RW_DISCARD, "logStatusDiscard", "The outputs are not finite at t = %.9g s", m->s.now.t);
     return RW_DISCARD;
 }

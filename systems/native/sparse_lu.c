@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "network.h"
+#include "sparse_lu.h"
 
 #define PREFERRED 0.1 /* of the largest entry of a column: from here the preferred row is taken */
 #define KEPT 1e-3     /* of the largest entry: a smaller kept pivot is chosen again */
@@ -108,9 +108,9 @@ static int pivot_of(const rn_factors *f, const rn_pattern *a, int k, int top)
         if (!isfinite(f->work[i])) return -1;
         if (fabs(f->work[i]) > largest) largest = fabs(f->work[i]), pivot = i;
     }
-    if (f->mark[wanted] == k && f->step_of[wanted] < 0 && f->work[wanted] != 0.0)
+    if (f->mark[wanted] == k && f->step_of[wanted] < 0 && fabs(f->work[wanted]) > f->least)
         if (!inner || fabs(f->work[wanted]) >= PREFERRED * largest) return wanted;
-    return inner ? pivot : -1;
+    return inner && largest > f->least ? pivot : -1;
 }
 
 /* Factors with new pivots. */

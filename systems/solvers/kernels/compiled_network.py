@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import maximum_bipartite_matching
 from scipy.sparse.linalg import splu
 
 from ropeway.systems.interrupts import stop_if_interrupted
+from ropeway.systems.native.c_library import CALL_INTEGERS, CallTables
 from ropeway.systems.native.network_library import (
     FAILURES,
     NETWORK_INTEGERS,
@@ -56,7 +57,8 @@ class CompiledNetwork:
         rows = np.array([row for row, _ in cells], dtype=np.int32)
         self.pattern = csc_matrix((np.arange(1.0, len(cells) + 1.0), rows, ends), shape=(count, count))
         """The matrix, with the numbers of its entries from 1."""
-        tables, self._pattern = _Tables(NetworkTables()), _Pattern(self.pattern, count)
+        tables, calls = _Tables(NetworkTables()), _Tables(CallTables())
+        self._pattern = _Pattern(self.pattern, count)
         arrays: dict[str, Sequence[int] | np.ndarray] = {
             "result": net.results,
             "inputs_end": np.cumsum([len(read) for read in net.inputs]),
@@ -73,15 +75,17 @@ class CompiledNetwork:
             "balance_unknown": [column for _, column, _ in balances],
             "balance_entry": [number[row, column] for row, column, _ in balances],
         }
-        for name in NETWORK_INTEGERS:
-            tables.put(name, arrays[name])
+        for structure, names in ((calls, CALL_INTEGERS), (tables, NETWORK_INTEGERS)):
+            for name in names:
+                structure.put(name, arrays[name])
         tables.put("sign", [sign for _, _, sign in balances], np.float64)
         compile_all(net.kernels)
-        tables.put("kernels", [kernel.address for kernel in net.kernels], np.uint64)
+        calls.put("kernels", [kernel.address for kernel in net.kernels], np.uint64)
         t = tables.structure
-        t.pattern, t.calls, t.values, t.sums = self._pattern.structure, len(net.kernels), net.size, len(net.sums)
+        calls.structure.calls, calls.structure.values = len(net.kernels), net.size
+        t.pattern, t.calls, t.sums = self._pattern.structure, calls.structure, len(net.sums)
         t.drifts, t.entries, t.balances = net.drift_sums, len(cells), len(balances)
-        self._tables, self._at, self._unknowns = tables, ctypes.byref(t), count
+        self._tables, self._at, self._unknowns = (tables, calls), ctypes.byref(t), count
         self._size = net.size + max((len(read) for read in net.inputs), default=0)
 
     def problem(
@@ -138,7 +142,7 @@ class _Pattern(_Tables):
 
     def __init__(self, pattern: csc_matrix, inner: int) -> None:
         super().__init__(MatrixPattern())
-        order, diagonal = _elimination_order(pattern[:inner, :inner])
+        order, diagonal = elimination_order(pattern[:inner, :inner])
         outer = np.arange(inner, pattern.shape[0])
         self.structure.n, self.structure.inner = pattern.shape[0], inner
         self.put("column_end", pattern.indptr[1:])
@@ -166,7 +170,7 @@ class CompiledPivots:
         return found
 
 
-def _elimination_order(pattern: csc_matrix) -> tuple[np.ndarray, np.ndarray]:
+def elimination_order(pattern: csc_matrix) -> tuple[np.ndarray, np.ndarray]:
     """An order of the columns that fills in little, and the row with which each is best eliminated."""
     n = pattern.shape[0]
     matched = maximum_bipartite_matching(csr_matrix(pattern), perm_type="row") if n else np.zeros(0, dtype=int)

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from hashlib import sha256
 from typing import Any, NamedTuple
 
 import casadi as ca
@@ -24,7 +23,7 @@ from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.structure import KNOWN
 from ropeway.systems.native.binary_cache import library
 from ropeway.systems.native.c_library import address
-from ropeway.systems.native.kernel_source import kernel_source
+from ropeway.systems.native.kernel_source import hidden_kernel, kernel_source
 from ropeway.systems.solvers.line_sections import UnfitError
 
 
@@ -67,19 +66,14 @@ class ComponentKernels:
     def addresses(self) -> dict[str, int]:
         """Where both are, compiled, by their names in inertial.h. Raises CompilerError, WriteError."""
         kernels = {"value": self.value, "matrix": self.matrix}
-        compiled = library({f"{name}.c": _source(k, name) for name, k in kernels.items()})
+        compiled = library({f"{name}.c": kernel_source(k, name) for name, k in kernels.items()})
         return {name: address(compiled, name) for name in kernels}
 
     @cached_property
     def sources(self) -> dict[str, tuple[str, str]]:
         """Both in C for another library, by their names in inertial.h: a name that the content determines, and the
         text."""
-        found = {}
-        for name, kernel in (("value", self.value), ("matrix", self.matrix)):
-            text = _source(kernel, "rw_kernel", exported=False)
-            own = f"rw_kernel_{sha256(text.encode()).hexdigest()[:16]}"
-            found[name] = own, text.replace("rw_kernel(", f"{own}(")
-        return found
+        return {"value": hidden_kernel(self.value), "matrix": hidden_kernel(self.matrix)}
 
 
 class _Symbols(NamedTuple):
@@ -197,15 +191,3 @@ def _kernel(name: str, inputs: Sequence[Any], outputs: Sequence[Any]) -> ca.Func
     """A function of one vector with one vector of results."""
     result = ca.cse(ca.densify(ca.vertcat(ca.SX(0, 1), *outputs)))
     return ca.Function(name, [ca.vertcat(*inputs)], [result])
-
-
-_LONG = ((40_000, "O0"), (10_000, "O1"))
-"""Lines of a kernel above which GCC takes minutes, and what it compiles such a kernel with."""
-
-
-def _source(kernel: ca.Function, name: str, *, exported: bool = True) -> str:
-    """A kernel in C, of a name."""
-    text = kernel_source(kernel, name, exported=exported)
-    level = next((level for lines, level in _LONG if text.count("\n") > lines), None)
-    pragma = f'#if defined(__GNUC__) && !defined(__clang__)\n#pragma GCC optimize ("{level}")\n#endif\n'
-    return text if level is None else pragma + text

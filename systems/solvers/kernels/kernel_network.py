@@ -19,7 +19,9 @@ Terms = list[tuple[int, int]]
 @dataclass(eq=False)
 class Network:
     """Calls and sums over one array of values: the vectors t, x, z, u, p, d, what is freed, results and derivatives of
-    calls, sums, and the number one. `kernels`, `results`, `inputs` of each call; `sums`: place and factors of each,
+    calls, sums, and the number one. `kernels`, `results`, `inputs` of each call; in a network that is `swept`, of each
+    of its derivatives the result and the place of the input, `entries`, and, where wanted, the kernel of its changes,
+    `tangents`; `sums`: place and factors of each,
     those of rates last; places of the `unknowns` and of the residuals, `rows`; `matrix`: of each residual unknown and
     place of its entries; `drifts`: place of the rate of each residual, -1 for none, empty without rates."""
 
@@ -28,6 +30,8 @@ class Network:
     kernels: list[Kernel] = field(default_factory=list)
     results: list[int] = field(default_factory=list)
     inputs: list[list[int]] = field(default_factory=list)
+    entries: list[list[tuple[int, int]]] = field(default_factory=list)
+    tangents: list[Kernel] = field(default_factory=list)
     sums: list[tuple[int, Terms]] = field(default_factory=list)
     unknowns: list[int] = field(default_factory=list)
     rows: list[int] = field(default_factory=list)
@@ -74,6 +78,20 @@ def network_of_residuals(model: Model) -> Network:
     return _values(graph, graph.alg)
 
 
+def swept_network(
+    graph: CallGraph, rows: Sequence[Any], moving: Sequence[int] = (), *, tangents: bool = False
+) -> Network:
+    """The network of some entries of results of a graph. Its kernels have their derivatives by what depends on the
+    vectors that are `moving`, so that changes of these can be followed call by call; tangents: there are kernels for
+    changes of all that is read. Raises Interrupted."""
+    builder = _Builder(graph, swept=True, tangents=tangents)
+    for symbol in (symbol for vector in moving for symbol in graph.vectors[vector]):
+        builder.unknown(symbol, 0)
+    builder.call(rows)
+    builder.net.rows = [builder.place(row) for row in rows]
+    return builder.net
+
+
 def _values(graph: CallGraph, rows: Sequence[Any]) -> Network:
     builder = _Builder(graph)
     builder.call(rows)
@@ -87,10 +105,11 @@ def _chosen(graph: CallGraph, slot: Slot) -> Any:
 
 
 class _Builder:
-    """Adds calls to a network. `_slots`: of each place the places of its derivatives by the unknowns."""
+    """Adds calls to a network. `_slots`: of each place the places of its derivatives by the unknowns; of a network that
+    is swept, of each place that moves."""
 
-    def __init__(self, graph: CallGraph) -> None:
-        self.graph = graph
+    def __init__(self, graph: CallGraph, *, swept: bool = False, tangents: bool = False) -> None:
+        self.graph, self.swept, self.tangents = graph, swept, tangents
         symbols = [symbol for vector in graph.vectors for symbol in vector]
         self._place = {symbol.element_hash(): i for i, symbol in enumerate(symbols)}
         self._slots: dict[int, dict[int, int]] = {}
@@ -170,7 +189,13 @@ class _Builder:
         self.net.kernels.append(kernel)
         self.net.results.append(first)
         self.net.inputs.append([inputs[i] for i in one.part.used])
-        self._differentiate(first, len(one.made), kernel.entries, inputs)
+        if self.tangents:
+            self.net.tangents.append(one.part.tangent)
+        if self.swept:
+            self.net.entries.append([(first + row, inputs[i]) for row, i in kernel.entries])
+            self._slots |= {first + row: {} for row, _ in kernel.entries}
+        else:
+            self._differentiate(first, len(one.made), kernel.entries, inputs)
         for k, symbol in enumerate(one.made):
             self._place[symbol.element_hash()] = first + k
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -17,7 +18,7 @@ from ropeway.components.errors import CompiledError
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.native.binary_cache import libraries
 from ropeway.systems.native.c_library import address
-from ropeway.systems.native.kernel_source import kernel_source
+from ropeway.systems.native.kernel_source import hidden_kernel, kernel_source
 
 MOST = 2_000
 """Parts that a thread keeps."""
@@ -25,12 +26,19 @@ MOST = 2_000
 
 @dataclass(eq=False)
 class Kernel:
-    """A kernel in C; `entries`: result and input of each derivative that follows the results. `address`: where it is
-    once it is compiled."""
+    """A kernel, with its text in C; `entries`: result and input of each derivative that follows the `results`.
+    `address`: where it is once it is compiled."""
 
+    function: ca.Function
     source: str
-    entries: tuple[tuple[int, int], ...]
+    results: int
+    entries: tuple[tuple[int, int], ...] = ()
     address: int = 0
+
+    @cached_property
+    def hidden(self) -> tuple[str, str]:
+        """Its name and its file for a library that does not show it."""
+        return hidden_kernel(self.function)
 
 
 def compile_all(kernels: Iterable[Kernel]) -> None:
@@ -58,16 +66,32 @@ class Part:
             self._kernels[active] = self._made(active)
         return self._kernels[active]
 
+    @cached_property
+    def tangent(self) -> Kernel:
+        """The kernel of the changes of the results. It reads the inputs `used`, then a change of each. Raises
+        CompiledError, Interrupted."""
+        stop_if_interrupted()
+        given = self._given
+        seeds = ca.SX.sym("s", given.numel())
+        changes = ca.jtimes(self.results, given, seeds) if given.numel() else ca.SX(self.results.numel(), 1)
+        return self._kernel(ca.vertcat(given, seeds), ca.cse(changes), ())
+
+    @property
+    def _given(self) -> Any:
+        return ca.vertcat(ca.SX(0, 1), *(self.read[i] for i in self.used))
+
     def _made(self, active: tuple[int, ...]) -> Kernel:
         stop_if_interrupted()
         matrix = ca.jacobian(self.results, ca.vertcat(ca.SX(0, 1), *(self.read[i] for i in active)))
         pattern = matrix.sparsity()
         entries = tuple((row, active[column]) for row, column in zip(pattern.row(), pattern.get_col(), strict=True))
-        given = ca.vertcat(ca.SX(0, 1), *(self.read[i] for i in self.used))
         result = ca.vertcat(*ca.cse([self.results, ca.vertcat(ca.SX(0, 1), *matrix.nonzeros())]))
+        return self._kernel(self._given, result, entries)
+
+    def _kernel(self, given: Any, result: Any, entries: tuple[tuple[int, int], ...]) -> Kernel:
         function = ca.Function("kernel", [given], [ca.densify(result)])
         try:
-            return Kernel(kernel_source(function, "kernel"), entries)
+            return Kernel(function, kernel_source(function, "kernel"), self.results.numel(), entries)
         except NotImplementedError as error:
             what = "An equation" if self.kept is None else f"An equation of {self.kept.name()!r}"
             raise CompiledError(f"{what} has no form in C: {error}", "Leave out compiled=True") from error

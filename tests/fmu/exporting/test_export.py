@@ -31,7 +31,7 @@ def test_archive_is_complete_and_small(name: str, request: pytest.FixtureRequest
         names = set(archive.namelist())
         page = archive.read("documentation/index.html").decode()
         picture = archive.read("model.png" if name == "line2" else "documentation/diagram.png")
-    assert {"modelDescription.xml", "sources/rw_tangent.c", "sources/buildDescription.xml"} <= names
+    assert {"modelDescription.xml", "sources/model_data.c", "sources/buildDescription.xml"} <= names
     assert any(n.startswith("binaries/") for n in names)
     assert "c5.tension_in" in page or "c1.tension_in" in page
     assert picture.startswith(b"\x89PNG")
