@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
+from ropeway.systems.native.c_library import CALL_INTEGERS
 from ropeway.systems.native.c_tables import Tables
-from ropeway.systems.native.network_library import CALL_INTEGERS
 from ropeway.systems.solvers.kernels.call_graph import CallGraph, graph_of
 from ropeway.systems.solvers.kernels.kernel_network import Network, swept_network
 

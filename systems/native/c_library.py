@@ -1,4 +1,4 @@
-"""Libraries of the C core as Python calls them, and where their functions are."""
+"""Libraries of the C core as Python calls them, where their functions are, and calls of kernels (calls.h)."""
 
 from __future__ import annotations
 
@@ -33,3 +33,15 @@ def address(of: ctypes.CDLL, name: str) -> int:
 @lru_cache(maxsize=8)
 def _source(files: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
     return tuple((name, (_FOLDER / name).read_text()) for name in files)
+
+
+CALL_INTEGERS = ("result", "inputs_end", "input")
+
+
+class CallTables(ctypes.Structure):
+    """rn_calls."""
+
+    _fields_ = (
+        *((name, ctypes.c_int) for name in ("calls", "values")),
+        *((name, ctypes.c_void_p) for name in (*CALL_INTEGERS, "kernels")),
+    )

@@ -2,6 +2,7 @@
 #ifndef MOVING_H
 #define MOVING_H
 
+#include "calls.h"
 #include "clocks.h"
 #include "drives.h"
 #include "sections.h"
@@ -81,18 +82,17 @@ typedef struct {
     double *saved; /* rs_saved_size doubles */
 } rs_agenda;
 
-/* Kernels of components one after the other. Places count in one array: the vectors of a state and the zero behind them,
- * `values`, the time, then what the calls give, in the end the outputs. Each call has the ends of its inputs and of its
- * results in lists of places. */
+/* Outputs by calls of kernels: the values are the `vectors` of a state with a zero behind them, the time, then others;
+ * places of the outputs. */
 typedef struct {
-    int calls, values, size, outputs, most; /* most: inputs of a kernel */
-    const int *input_end, *input, *output_end, *output;
-    const rs_kernel *kernels;
-} rs_calls;
+    rn_calls calls;
+    int vectors, outputs;
+    const int *row;
+} rs_output_calls;
 
 RS_API int rs_write_rows(const rs_line *line, rs_point *q, rs_motion *m, double *d, long long stride, long long *passed,
                          int states);
-RS_API int rs_outputs(const rs_calls *calls, const double *rows, long long stride, const double *time, int states,
+RS_API int rs_outputs(const rs_output_calls *calls, const double *rows, long long stride, const double *time, int states,
                       double *work, double *outputs, long long outputs_stride);
 RS_API int rs_move(const rs_line *line, rs_point *q, rs_motion *m, double stop, const rs_drives *drives);
 RS_API int rs_run(const rs_line *line, rs_point *q, rs_motion *m, rs_agenda *a, rs_drives *drives, rs_clocks *clocks);

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import ctypes
 
-from ropeway.systems.native.c_library import core_library
+from ropeway.systems.native.c_library import CallTables, core_library
 
 FILES = ("calls.h", "sparse_lu.h", "network.h", "calls.c", "network.c", "sparse_lu.c")
 
-CALL_INTEGERS = ("result", "inputs_end", "input")
 NETWORK_SIZES = ("sums", "drifts", "entries", "balances")
 NETWORK_INTEGERS = (
     *("sum", "terms_end", "factor", "other"),
@@ -24,15 +23,6 @@ class MatrixPattern(ctypes.Structure):
     _fields_ = (
         *((name, ctypes.c_int) for name in ("n", "inner")),
         *((name, ctypes.c_void_p) for name in ("column_end", "row", "order", "diagonal")),
-    )
-
-
-class CallTables(ctypes.Structure):
-    """rn_calls."""
-
-    _fields_ = (
-        *((name, ctypes.c_int) for name in ("calls", "values")),
-        *((name, ctypes.c_void_p) for name in (*CALL_INTEGERS, "kernels")),
     )
 
 

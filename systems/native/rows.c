@@ -15,20 +15,15 @@ int rs_write_rows(const rs_line *l, rs_point *q, rs_motion *m, double *d, long l
     return states;
 }
 
-/* Outputs of states, at the end of `work`: each state's row and its time are copied there, then the calls are made. */
-int rs_outputs(const rs_calls *c, const double *rows, long long stride, const double *time, int states, double *work,
+/* Outputs of states: each state's row and its time are copied to `work`, then the calls are made. */
+int rs_outputs(const rs_output_calls *c, const double *rows, long long stride, const double *time, int states, double *work,
                double *outputs, long long outputs_stride)
 {
-    double *v = work + c->size, *r = v + c->most;
-    for (int i = 0; i < states; i++) {
-        memcpy(work, rows + i * stride, c->values * sizeof(double));
-        work[c->values] = time[i];
-        for (int k = 0, in = 0, out = 0; k < c->calls; k++) {
-            for (int j = 0; in < c->input_end[k]; in++, j++) v[j] = work[c->input[in]];
-            c->kernels[k](v, r);
-            for (int j = 0; out < c->output_end[k]; out++, j++) work[c->output[out]] = r[j];
-        }
-        memcpy(outputs + i * outputs_stride, work + c->size - c->outputs, c->outputs * sizeof(double));
+    for (int i = 0; i < states; i++, outputs += outputs_stride) {
+        memcpy(work, rows + i * stride, c->vectors * sizeof(double));
+        work[c->vectors] = time[i];
+        rn_call(&c->calls, work);
+        for (int j = 0; j < c->outputs; j++) outputs[j] = work[c->row[j]];
     }
     return states;
 }

@@ -5,11 +5,11 @@ from __future__ import annotations
 import ctypes
 from typing import Any
 
-from ropeway.systems.native.c_library import core_library
+from ropeway.systems.native.c_library import CallTables, core_library
 
 FILES = (
-    *("sections.h", "clocks.h", "drives.h", "moving.h"),
-    *("sections.c", "crossings.c", "moving.c", "drives.c", "windows.c", "clocks.c", "running.c", "rows.c"),
+    *("calls.h", "sections.h", "clocks.h", "drives.h", "moving.h"),
+    *("calls.c", "sections.c", "crossings.c", "moving.c", "drives.c", "windows.c", "clocks.c", "running.c", "rows.c"),
 )
 
 LINE_SIZES = ("spans", "supports", "sections", "slots", "nx", "nz", "nu", "np", "ns", "runs")
@@ -135,10 +135,13 @@ class ClockTables(ctypes.Structure):
 
 
 class OutputCalls(ctypes.Structure):
-    """rs_calls."""
+    """rs_output_calls."""
 
-    _fields_ = _fields(
-        (ctypes.c_int, "calls values size outputs most"), (ctypes.c_void_p, "input_end input output_end output kernels")
+    _fields_ = (
+        ("calls", CallTables),
+        ("vectors", ctypes.c_int),
+        ("outputs", ctypes.c_int),
+        ("row", ctypes.c_void_p),
     )
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from ropeway.components.weather import Weather
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.rope_path import Run
+from ropeway.systems.native.c_library import CallTables
 from ropeway.systems.native.kernel_marks import kernel_mark
 from ropeway.systems.native.section_library import Motion, OutputCalls, section_library
 from ropeway.systems.solvers.array_outputs import FORCE, Form, Group, output_function, output_groups
@@ -70,34 +71,40 @@ class CompiledOutputs:
         self._core = section_library()
         place = np.full(len(model.y), -1)
         place[which] = np.arange(len(which))
-        values = plan.none + 1
-        self._pull = values + 1  # behind the time
-        outputs = self._pull + plan.force * (plan.ends + 1) + 1
-        inputs, results, kernels = list[np.ndarray](), list[np.ndarray](), list[int]()
+        vectors = plan.none + 1
+        self._none = vectors + 1  # what no rope gives, behind the time
+        self._pull = np.full(plan.ends + 1, self._none)
+        """Of each rope end the first place of what it gives."""
+        row, size = np.zeros(len(which), dtype=np.int32), self._none + plan.force
+        inputs, first, kernels = list[np.ndarray](), list[np.ndarray](), list[int]()
         for group in plan.groups:
-            rows = place[group.outputs]
-            chosen = tuple(np.flatnonzero((rows >= 0).any(axis=1)).tolist())
-            own = [outputs + rows[list(chosen)]]
-            if group.ropes:
-                own += [self._pulls(port[1]) for port in group.ports]
+            rows, count = place[group.outputs], group.own.shape[1]
+            chosen = np.flatnonzero((rows >= 0).any(axis=1))
+            results = len(chosen) + plan.force * len(group.ports) * group.ropes
+            own = size + results * np.arange(count)
+            size += results * count
+            for k, some in enumerate(rows[chosen]):
+                row[some[some >= 0]] = own[some >= 0] + k
+            for k, port in enumerate(group.ports if group.ropes else ()):
+                self._pull[port[1]] = own + len(chosen) + plan.force * k
             reads = np.vstack(
-                [self._shared(group, values), group.own, *(self._port(port, group) for port in group.ports)]
+                [self._shared(group, vectors), group.own, *(self._port(port, group) for port in group.ports)]
             )
             inputs += list(reads.T)
-            results += list(np.vstack(own).T)
-            kernels += [_address(group.form, chosen, group.ropes)] * group.own.shape[1]
-        self._size, most = outputs + len(which), max((len(own) for own in inputs), default=0)
-        self._work = self._size + most + max((len(own) for own in results), default=0)
-        self._calls = Filled(
-            OutputCalls(calls=len(kernels), values=values, size=self._size, outputs=len(which), most=most),
+            first.append(own)
+            kernels += [_address(group.form, tuple(chosen.tolist()), group.ropes)] * count
+        self._size = size + max((len(own) for own in inputs), default=0)
+        self._called = Filled(
+            CallTables(calls=len(kernels), values=size),
             {
-                "input_end": np.cumsum([len(own) for own in inputs]).astype(np.int32),
+                "result": np.concatenate([*first, [0]]).astype(np.int32),
+                "inputs_end": np.cumsum([len(own) for own in inputs]).astype(np.int32),
                 "input": np.concatenate([*inputs, [0]]).astype(np.int32),
-                "output_end": np.cumsum([len(own) for own in results]).astype(np.int32),
-                "output": np.concatenate([*results, [0]]).astype(np.int32),
                 "kernels": np.array(kernels or [0], dtype=np.uint64),
             },
         )
+        outputs = OutputCalls(calls=self._called.tables, vectors=vectors, outputs=len(which))
+        self._calls = Filled(outputs, {"row": row})
 
     def _shared(self, group: Group, time: int) -> np.ndarray:
         """Places of the time, and of what all components read, for the components of a group."""
@@ -105,7 +112,7 @@ class CompiledOutputs:
 
     def _pulls(self, ends: np.ndarray) -> np.ndarray:
         """Places of what some rope ends give to their seats."""
-        return np.asarray(self._pull + self._plan.force * ends + np.arange(self._plan.force)[:, None])
+        return np.asarray(self._pull[ends] + np.arange(self._plan.force)[:, None])
 
     def _port(self, port: tuple[np.ndarray, ...], group: Group) -> np.ndarray:
         """Places of what the components of a group read at a port."""
@@ -113,8 +120,8 @@ class CompiledOutputs:
 
     def write(self, rows: StateRows, to: np.ndarray) -> None:
         """Writes the outputs of states into `to` (states, outputs), which may be a part of rows."""
-        work, none = np.zeros(self._work), self._pull + self._plan.force * self._plan.ends
-        work[none + FORCE : none + self._plan.force] = 1.0
+        work = np.zeros(self._size)
+        work[self._none + FORCE : self._none + self._plan.force] = 1.0
         time = np.ascontiguousarray(rows.time)
         read, written = (array.strides[0] // array.itemsize for array in (rows.values, to))
         call, first, room = self._core.rs_outputs, rows.values.ctypes.data, work.ctypes.data

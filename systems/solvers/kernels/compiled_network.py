@@ -11,11 +11,10 @@ from scipy.sparse.csgraph import maximum_bipartite_matching
 from scipy.sparse.linalg import splu
 
 from ropeway.systems.interrupts import stop_if_interrupted
+from ropeway.systems.native.c_library import CALL_INTEGERS, CallTables
 from ropeway.systems.native.network_library import (
-    CALL_INTEGERS,
     FAILURES,
     NETWORK_INTEGERS,
-    CallTables,
     MatrixPattern,
     NetworkProblem,
     NetworkTables,

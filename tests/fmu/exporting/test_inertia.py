@@ -106,10 +106,14 @@ def test_loads_cross_supports_as_in_compiled_code(fed: Path, right: rw.Result) -
     with Slave(load(fed)) as slave:
         slave.enter(0.0, {})
         slave.leave()
-        found = [slave.get(CROSSED)]
-        for _ in range(8):
+        found, kept = [slave.get(CROSSED)], None
+        for i in range(8):
             slave.step(0.5, {}, {})
             found.append(slave.get(CROSSED))
+            kept = slave.save() if i == 1 else kept
+        slave.restore(kept)
+        slave.step(0.5, {}, {})
+        assert slave.get(CROSSED).tolist() == found[3].tolist()
     values = np.array(found)
     assert values[:, :4] == pytest.approx(right.frame[CROSSED[:4]].to_numpy(), rel=1e-6, abs=1e-6)
     assert values[:, 4].max() == values[0, 4] + 1 == values[-1, 4] + 1
