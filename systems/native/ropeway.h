@@ -177,7 +177,6 @@ rw_status rw_line_rates(rw_instance *m);
 void rw_through_line(rw_instance *m, const double *coupling, double factor, double *values);
 void rw_span_end(rw_instance *m, int span, double *force);
 double rw_line_law(rw_instance *m, int k, const double *load, double share);
-int rw_sections_beside(int k, int *sections, int count);
 
 /* ropeway_inertial.c */
 ri_point *rw_core_point(rw_instance *m);
