@@ -223,7 +223,7 @@ def payload(
 ) -> None:
     """Calculate the largest payload at stations along a skyline, and its limits.
 
-    A project file has its own rig: of the options only those of limits, stations and weather count.
+    A project file has its own rig: of the options only those of limits, stations and weather count, others are refused.
     """
     import ropeway as rw
     from ropeway.systems.studies.skyline.payload.command import payload_command, write_payload

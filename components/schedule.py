@@ -13,8 +13,8 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
 from ropeway.components.whole_files import whole
 
-_UNITS = {"speed": "m/s", "temperature": "degC", "wind_from": "deg"}
-"""Units of quantities that a model takes in other than SI units, and that of a speed."""
+_UNITS = {"temperature": "degC", "wind_from": "deg"}
+"""Units of quantities that a model takes in other than SI units."""
 
 
 @checked
@@ -122,7 +122,7 @@ class Schedule:
         InputError
             The table is invalid; the message has file, line and column.
         """
-        unit = _UNITS.get(column.rpartition(".")[2], "")
+        unit = "m/s" if column == "speed" else _UNITS.get(column.rpartition(".")[2], "")
         layout = table.TableLayout({"time": "s", column: unit}, f"time,{column}\n0,0.5\n10,1")
         read = table.read(path, layout)
         values = read.numbers("time", column)

@@ -195,6 +195,8 @@ def test_units_in_a_header_are_converted(tmp_path: Path) -> None:
     path.write_text("time;Temperature [degF];wind_from [rad]\n0;14;3,141592653589793\n")
     assert rw.Schedule.from_csv(path, "temperature").speeds == pytest.approx([-10.0])  # degrees C, as in an Environment
     assert rw.Schedule.from_csv(path, "wind_from").speeds == pytest.approx([180.0])
+    path.write_text("time,unit.speed [rpm]\n0,60\n")
+    assert rw.Schedule.from_csv(path, "unit.speed").speeds == pytest.approx([2.0 * np.pi])
     path.write_text("time [min],c1.speed [km/h]\n0,3.6\n2,7.2\n")
     assert rw.Schedule.from_csv(path, "c1.speed") == rw.Schedule([0.0, 120.0], [1.0, 2.0])
 

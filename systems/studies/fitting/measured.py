@@ -17,7 +17,8 @@ Sigma = float | Mapping[str, float | Sequence[float]]
 TIME = "time"
 """Target of the column with the time [s] of a series."""
 GIVEN, MEASURED = "given", "measured"
-_MISSING = {"nan", "na", "n/a", "null", "-"}
+MISSING = {"nan", "na", "n/a", "null", "-"}
+"""Words for a missing number."""
 
 
 @dataclass(frozen=True)
@@ -177,5 +178,5 @@ def unit_in(column: Column) -> str:
 
 def _without_missing(read: table.Table) -> table.Table:
     """The table with words for a missing number as blanks."""
-    rows = [["" if str(cell).strip().casefold() in _MISSING else cell for cell in row] for row in read.rows]
+    rows = [["" if str(cell).strip().casefold() in MISSING else cell for cell in row] for row in read.rows]
     return replace(read, rows=rows)

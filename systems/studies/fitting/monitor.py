@@ -15,7 +15,7 @@ from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError, UnknownNameError
 from ropeway.components.table_file import name_and_unit
-from ropeway.components.table_numbers import is_number
+from ropeway.components.table_numbers import NumberError, numbers
 from ropeway.components.table_writer import Tabular
 from ropeway.components.units import conversion
 from ropeway.systems.modelling.dae_model import Model
@@ -23,7 +23,7 @@ from ropeway.systems.modelling.system import System
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.studies.fitting.kalman_filter import KalmanFilter
 from ropeway.systems.studies.fitting.line_source import LineSource
-from ropeway.systems.studies.fitting.measured import GIVEN, TIME, Column, unit_in
+from ropeway.systems.studies.fitting.measured import GIVEN, MISSING, TIME, Column, unit_in
 from ropeway.systems.studies.fitting.moving_line import MovingLine, require_parameter
 from ropeway.systems.studies.sensitivity.linearisation import LinearState
 from ropeway.systems.studies.sensitivity.perturbations import Varied
@@ -357,9 +357,14 @@ def _conversion(key: str, column: Column) -> tuple[float, float]:
 def _read(row: Mapping[str, Any], key: str, column: Column) -> float:
     """A value of a row in SI units; NaN where it is missing or blank. Raises InputError."""
     value = row.get(key, row.get(column.name))
-    if value is None or value is pd.NA or (isinstance(value, str) and not value.strip()):
+    if value is None or value is pd.NA or (isinstance(value, str) and value.strip().casefold() in {"", *MISSING}):
         return np.nan
-    number = float(value) if isinstance(value, str) and is_number(value) else value
+    number = value
+    if isinstance(value, str):
+        try:
+            (number,) = numbers([value], [False], points=True)
+        except NumberError as error:
+            raise InputError(f"{key} is {value!r}: {error.cause}", error.remedy) from error
     if isinstance(number, bool) or not isinstance(number, (int, float, np.integer, np.floating)):
         raise InputError(f"{key} is {value!r}", "Give a number, or leave it blank")
     factor, offset = _conversion(key, column)

@@ -121,6 +121,10 @@ def test_rows_from_an_iterator_with_gaps() -> None:
         watch.update({"T_kN": 45.0})
     with pytest.raises(rw.InputError, match="T_kN is 'high'"):
         watch.update({"t": 20.0, "T_kN": "high"})
+    with pytest.raises(rw.InputError, match="is 46123 with a decimal point and"):
+        watch.update({"t": 20.0, "T_kN": "46,123"})
+    point, comma = (watch.update({"t": t, "T_kN": text}) for t, text in ((20.0, "46.1"), (20.0, "46,1")))
+    assert comma.misses["T_kN"] == pytest.approx(point.misses["T_kN"], rel=0.1)  # the same value, filtered again
 
 
 @pytest.mark.parametrize(
