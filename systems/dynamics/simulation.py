@@ -238,7 +238,7 @@ class _Simulation:
                 if self.line.time >= until:
                     return
                 continue
-            stop = min(self.next_stop(grid), quiet)
+            stop = min(self.next_stop(grid, until), quiet)
             due = grid_times(count, every, until, stop)
             self.recorder.expect(due)
             self.external.run_to(stop)
@@ -260,13 +260,13 @@ class _Simulation:
             if self.stop_at and self.stopped():
                 return
 
-    def next_stop(self, grid: float) -> float:
+    def next_stop(self, grid: float, until: float) -> float:
         """The next stop [s], where `grid` is the next record. A line that is integrated has stops of its own, at whole
         seconds: a result does not depend on the interval of its records. `stop_at` and parts with events of their own
         act at records."""
         if self.stop_at or self.external.present or not self.stepper.integrates:
             return grid
-        own = float(np.floor(self.line.time + 1e-9)) + LONGEST_STEP
+        own = min(float(np.floor(self.line.time + 1e-9)) + LONGEST_STEP, until)
         return grid if abs(own - grid) <= 1e-9 else own
 
     def run_ahead(self, count: int, every: float, until: float, quiet: float) -> int | None:

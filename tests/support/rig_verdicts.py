@@ -80,7 +80,7 @@ def judge(case: Drawn, rng: np.random.Generator) -> Verdict:
             if not alike(r, rows[r["station"]]):
                 found.faults.append(("path by order", float(r["station"])))
     _judge_payloads(found, case, stations, rng)
-    _judge_curve(found, case, float(rng.uniform(low + 3.0, high - 16.0)))
+    judge_curve(found, case, float(rng.uniform(low + 3.0, high - 16.0)))
     return found
 
 
@@ -219,8 +219,9 @@ def _explained(case: Drawn, station: float, mass: float, height: float | None, r
     return existing(rig, station, mass, z) is None
 
 
-def _judge_curve(found: Verdict, case: Drawn, first: float) -> None:
-    """Twelve stations 1 m apart: none carries much more or much less than both its neighbours."""
+def judge_curve(found: Verdict, case: Drawn, first: float) -> None:
+    """Twelve stations 1 m apart: none carries much more or much less than both its neighbours, and none nothing between
+    two that carry something, unless the limit that is named is reached there without a payload."""
     rig = case.rig
     frame = rw.payload(rig, clearance=case.clearance, stations=first + np.arange(12.0)).frame
     mass, limit = frame.payload.to_numpy(), frame.limited_by.to_numpy()
@@ -230,8 +231,7 @@ def _judge_curve(found: Verdict, case: Drawn, first: float) -> None:
         over = min(abs(frame.station[k] - node.at[0]) for node in rig.stands) < 1.5  # there the pull jumps
         hole = mass[k] < 0.5 * min(around) - 50.0 and not over
         peak = mass[k] > 1.5 * max(around) + 50.0 and not over
-        if hole or peak:
-            three = slice(k - 1, k + 2)
-            found.faults.append(
-                ("hole" if hole else "peak", float(frame.station[k]), mass[three].tolist(), limit[three].tolist())
-            )
+        zero = mass[k] == 0.0 < min(around) and not hole
+        if hole or peak or (zero and _not_greatest(case, float(frame.station[k]), dict(frame.iloc[k]))):
+            three, kind = slice(k - 1, k + 2), "hole" if hole else "peak" if peak else "zero"
+            found.faults.append((kind, float(frame.station[k]), mass[three].tolist(), limit[three].tolist()))

@@ -1,6 +1,7 @@
 """A run does not depend on the interval of its records."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import ropeway as rw
 from ropeway.systems.statics.certificate.checks import IN_SPAN
+from support.runs import random_run
 
 ROPE = rw.Rope(mass_per_length=3.36, axial_stiffness=30e6, breaking_load=600e3)
 LINE = Path(__file__).resolve().parents[3] / "examples" / "line.csv"
@@ -129,6 +131,26 @@ def test_coarse_and_fine_records_agree(case: str) -> None:
         for quantity, near in ((".travel", 1e-3), (".tension_in", 20.0)):
             ours, theirs = (r.frame.loc[both].filter(like=quantity).to_numpy() for r in (result, fine))
             assert ours == pytest.approx(theirs, abs=near)
+
+
+@pytest.mark.parametrize(
+    ("seed", "until"),
+    [
+        (2223148, 1.5),  # the engine limits a drive that slows down, after the first of its checks and before the last
+        (5000011, 4.0),
+    ],
+)
+def test_records_do_not_steer_an_integration(seed: int, until: float) -> None:
+    run = replace(random_run(seed), until=until)
+    fine, *others = run.simulate(0.1, tolerance=1e-8), run.simulate(1.0), run.simulate(0.3), run.simulate(0.7)
+    travels, ends = fine.frame.filter(regex=r"\.travel$").columns, [r.frame.iloc[-1] for r in (fine, *others)]
+    for end in ends[1:]:
+        assert end[travels].to_numpy() == pytest.approx(ends[0][travels].to_numpy(), abs=3e-6)
+        assert end[travels].to_numpy() == pytest.approx(ends[1][travels].to_numpy(), abs=1e-9)
+    for result, every in zip(others, (1.0, 0.3, 0.7), strict=True):
+        grid = [*np.arange(0.0, until - 1e-9, every), until]
+        assert result.frame.index.to_numpy() == pytest.approx(np.array(grid), abs=1e-12)
+        assert np.all(np.diff(result.times) >= 0.0)
 
 
 def hillside(masses: float, spacing: float, rise: float, tension: float, speed: float) -> rw.System:

@@ -1,12 +1,14 @@
 """Payloads at discontinuities of a rig's state: the result is on the inner side and names the limit of the outer
 side."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import ropeway as rw
 from support.random_rigs import Drawn, drawn
-from support.rig_verdicts import path_row
+from support.rig_verdicts import Verdict, judge_curve, path_row
 
 
 def _case(seed: int, i: int) -> Drawn:
@@ -52,3 +54,17 @@ def test_payload_near_a_shoe_ends_without_a_certified_state() -> None:
     assert path_row(case.rig, found["payload"], 238.97957)["held_by"] == "clamp"
     with pytest.raises(rw.EquilibriumError, match="at station 238"):
         rw.load_path(case.rig, found["payload"] * 1.002, [238.97957])
+
+
+def test_the_campaign_finds_a_payload_of_nothing_between_two_that_are_something(monkeypatch: pytest.MonkeyPatch) -> None:
+    case, solve = _case(1024, 154), rw.payload
+
+    def broken(*arguments: object, **more: object) -> SimpleNamespace:
+        frame = solve(*arguments, **more).frame
+        frame.loc[[4, 5, 6], "payload"] = [60.0, 0.0, 60.0]
+        return SimpleNamespace(frame=frame)
+
+    first, found = float(case.rig.points[0, 0]) + 40.0, Verdict()
+    monkeypatch.setattr(rw, "payload", broken)
+    judge_curve(found, case, first)
+    assert ("zero", first + 5.0, [60.0, 0.0, 60.0]) in [fault[:3] for fault in found.faults]
