@@ -5,7 +5,7 @@
 #include <string.h>
 #include "moving.h"
 
-#define LEAST_WINDOW 1e-4 /* [s] */
+#define LEAST_WINDOW 1e-5 /* [s] */
 #define STEADY 1e-14      /* scaled changes of the states over a window that are rounding */
 #define LINEAR 1e-11      /* scaled deviation from rates that are linear */
 #define CLOSE 1e-10       /* scaled step of Newton's method that is the last one */
