@@ -1,6 +1,6 @@
 """A line led from crossing to crossing in the compiled core.
 
-The core moves drives that feel no rope, loads that pass their supports, and clocks. What takes more, as a load that is
+The core moves drives, loads that pass their supports, and clocks. What takes more, as a load that is
 pushed back or rests on a drum, is done here by the same rules as everywhere (`load_events`), with sections solved by
 the core.
 """

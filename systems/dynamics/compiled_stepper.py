@@ -13,8 +13,7 @@ from ropeway.systems.solvers.compiled_line import CompiledLine, PointSolver, com
 
 
 class CompiledStepper(LineStepper):
-    """A line whose sections the core solves. Drives that move by themselves move in the core too; where one is at a
-    limit, IDAS integrates the whole line."""
+    """A line whose sections the core solves, and whose drives it moves, unless they share a power unit."""
 
     _moving: CoreMotion | None = None
 

@@ -49,7 +49,7 @@ class LineStepper:
     tiny = 1e-4
     """Steps of a section up to this [s] are linear, of drives that move by themselves."""
     linear = 1e-6
-    """Steps of the whole line up to this [s] are linear: the second order is below rounding, also where a drive swings."""
+    """Steps of the whole line up to this [s] are linear; drives at a limit swing, whose second order is not small."""
 
     def __init__(self, state: LineState, signals: Sequence[Signal], tolerance: float) -> None:
         self.state = state

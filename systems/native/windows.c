@@ -5,7 +5,7 @@
 #include <string.h>
 #include "moving.h"
 
-#define LEAST_WINDOW 1e-4 /* [s] */
+#define LEAST_WINDOW 1e-5 /* [s] */
 #define STEADY 1e-14      /* scaled changes of the states over a window that are rounding */
 #define LINEAR 1e-11      /* scaled deviation from rates that are linear */
 #define CLOSE 1e-10       /* scaled step of Newton's method that is the last one */
@@ -13,7 +13,8 @@
 #define FAST 8.0          /* change of the states' rates over a window that a power series follows */
 #define ITERATIONS 12
 #define SWEEPS 30         /* of drives at a limit, each with the others where they were */
-#define BEYOND 1.02       /* a window with ropes ends there, as part of the time until a load crosses */
+#define BEYOND 1.02       /* a window with ropes ends there, as part of the time until a load crosses, */
+#define BEHIND 1e-4       /* and so much later [s] */
 #define SWING 2e-3        /* scaled deviation of a tension from its prediction that a drive may feel */
 #define GROWTH 4.0        /* most that a window with ropes is longer than the one before */
 
@@ -321,7 +322,7 @@ static int window(const rs_line *l, rs_point *q, rs_motion *m, rs_drives *s, dou
             double most = GROWTH * s->last;
             if (!with) return RS_COUPLED;
             if ((code = solve_beside(l, q, m, s)) != RS_REACHED) return code;
-            if (rs_next(l, q, m, &next) && next.time >= 0.0) most = fmin(most, BEYOND * next.time + LEAST_WINDOW);
+            if (rs_next(l, q, m, &next) && next.time >= 0.0) most = fmin(most, BEYOND * next.time + BEHIND);
             if (h > most) {
                 h = most;
                 continue;
