@@ -14,7 +14,6 @@ from ropeway.systems.statics.line_state import LineState
 def solve_algebraic(state: LineState, *, by_sections: bool = False) -> None:
     """Newton's method, then continuation in the damping of the idlers and in the rope's stiffness; by_sections: the
     first in the compiled core by sections. Raises EquilibriumError."""
-    start = state.point.copy()
     try:
         if by_sections:
             compiled_line(state.model).solve_point(state.point, state.passed)
@@ -22,7 +21,7 @@ def solve_algebraic(state: LineState, *, by_sections: bool = False) -> None:
             solve_line(state.model, state.point, state.passed)
         return
     except EquilibriumError as error:
-        first = error
+        first, start = error, state.point.copy()  # which is as it was
     newton = newton_of(state.model)
     for method in (_release_idlers, _stiffen) if state.model.layouts else ():
         for scale in (1.0, 0.3, 3.0):

@@ -38,6 +38,15 @@ def test_parts_of_records_give_the_states_of_whole_ones(model: rw.Model, monkeyp
     assert parts.at(middle)["l3.z"] == pytest.approx(whole.at(middle)["l3.z"], abs=1e-9)
 
 
+def test_records_of_a_compiled_run_keep_no_block_of_rows(model: rw.Model, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recorder, "_LARGE", 1)
+    records = list(rw.simulate(model, until=20.0, every=10.0, compiled=True, progress=False).records)
+    assert {type(record) for record in records} == {Record, PartRecord}
+    whole = [record for record in records if isinstance(record, Record)]
+    assert all(row.base is None for record in records for row in (record.x, record.u))
+    assert all(row.base is None for record in whole for row in (record.z, *record.passed))
+
+
 def test_events_are_found_in_parts(model: rw.Model, monkeypatch: pytest.MonkeyPatch) -> None:
     whole, parts = run(model), run(model)
     monkeypatch.setattr("ropeway.systems.results.run_data._KEPT", 0)
