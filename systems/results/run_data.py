@@ -33,7 +33,7 @@ from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.record_blocks import RecordRows, Records, RowRestorer
 
 _SLACK = "slack rope"
-_BATCH = 150_000
+_BATCH = 145_000
 """Approximate number of values of the records that are restored together: more take memory and save no time."""
 _KEPT = 50_000_000
 """Most numbers of outputs at all records that events are found from at once; the frames keep theirs."""

@@ -122,12 +122,11 @@ def hung(
     shape = (len(values), most, len(places.names))
     mass, drag = np.zeros(shape), np.zeros(shape) if weather else None
     distance, lost = np.empty(shape), slots.lost
-    distance[:] = spans.length[:, None]
     for r, run in enumerate(runs):
-        loads = run.loads
+        loads, (own, load) = run.loads, slots.runs[r]
         if len(loads.place) == 0:
+            distance[:, :, own] = spans.length[:, None, own]
             continue
-        own, load = slots.runs[r]
         full = slots.there[:, :, own]
         before = spans.travel_a[:, own].copy()
         before[:, 1:] -= spans.at_start[:, own][:, :-1].cumsum(axis=1)
@@ -138,7 +137,7 @@ def hung(
             astray = (full & (pinned >= 0) & (pinned != np.arange(own.stop - own.start))).any(axis=1)
             lost = lost | np.zeros((len(astray), 1), dtype=bool)
             lost[:, own] |= astray
-        np.copyto(distance[:, :, own], at, where=full)
+        distance[:, :, own] = np.where(full, at, spans.length[:, None, own])
         if drag is not None:
             np.multiply(loads.drag.take(load), full, out=drag[:, :, own])
         if masses is None:
@@ -162,6 +161,14 @@ class Shape(NamedTuple):
     angle: np.ndarray
 
 
+def _added_up(values: np.ndarray) -> np.ndarray:
+    """Running sums along the slots, the last axis but one: `cumsum` is slow along a short axis."""
+    found = values.copy()
+    for k in range(1, values.shape[-2]):
+        found[..., k, :] += found[..., k - 1, :]
+    return found
+
+
 def shape(spans: Spans, loads: LoadsInSpans | None, gravity: np.ndarray) -> Shape:
     """The catenaries from the tension vectors at the spans' starts."""
     records, count = spans.length.shape
@@ -177,12 +184,12 @@ def shape(spans: Spans, loads: LoadsInSpans | None, gravity: np.ndarray) -> Shap
         piece = cuts[:, 1:] - cuts[:, :-1]
         np.multiply(weight, cuts[:, :-1], out=vertical[0])
         vertical[0] += spans.force[:, None, 2]
-        vertical[0, :, 1:] += loads.mass.cumsum(axis=1) * gravity[:, :, None]
+        vertical[0, :, 1:] += _added_up(loads.mass) * gravity[:, :, None]
     gain = weight * piece
     np.negative(vertical[0] + gain, out=vertical[1])
     tension = np.sqrt(vertical * vertical + h2)
     steep = np.abs(vertical) + tension
-    np.divide(h2, steep, out=steep, where=vertical < 0.0)  # the brackets, where they would cancel
+    steep = np.where(vertical < 0.0, h2 / steep, steep)  # the brackets, where they would cancel
     angle = np.log1p(2.0 * gain / (steep[0] + steep[1])) / weight
     both, total = vertical[0] - vertical[1], tension[0] + tension[1]
     across, lift = angle + c1 * piece, 1.0 / total + 0.5 * c1
@@ -254,7 +261,7 @@ def shape_in_weather(
             jumps[:, :, 1:] -= weather.wind[:, :, None] * loads.drag[:, None]
         jumps[:, 2, 1:] += loads.mass * gravity[:, :, None]
     piece = cuts[:, 1:] - cuts[:, :-1]
-    start = spans.force[:, :, None] - weather.force[:, :, None] * cuts[:, None, :-1] + jumps.cumsum(axis=2)
+    start = spans.force[:, :, None] - weather.force[:, :, None] * cuts[:, None, :-1] + _added_up(jumps)
     end = start - weather.force[:, :, None] * piece[:, None]
     v0, v1 = ((vector * up[:, :, None]).sum(axis=1) for vector in (start, end))
     level = start - v0[:, None] * up[:, :, None]
@@ -262,7 +269,7 @@ def shape_in_weather(
     vertical = np.stack([v0, -v1])
     tension = np.sqrt(np.stack([(start * start).sum(axis=1), (end * end).sum(axis=1)]))
     steep = np.abs(vertical) + tension
-    np.divide(h2, steep, out=steep, where=vertical < 0.0)
+    steep = np.where(vertical < 0.0, h2 / steep, steep)
     gain = size[:, None] * piece
     angle = np.log1p(2.0 * gain / (steep[0] + steep[1])) / size[:, None]
     both, total, c1 = v0 + v1, tension[0] + tension[1], spans.c1[:, None]
