@@ -20,8 +20,8 @@ _X, _Z = 1, 2
 
 class Networks:
     """The networks of a system by their names in model_data.h, a list for each: of the places of a carriage, of the
-    clocks, or one. What the compiled core has itself is left out: of a line `by_sections` its equations, of these and of
-    others `by_pieces` their derivatives. Raises Interrupted."""
+    clocks, or one. What the compiled core has itself is left out: of a line `by_sections` its equations, of it and of
+    others `by_pieces` the derivatives. Raises CompiledError, Interrupted."""
 
     def __init__(self, model: Model, corridor: Corridor | None, *, by_sections: bool, by_pieces: bool) -> None:
         graphs = [_graph_of_model(model)] if corridor is None else _graphs_of_places(corridor)
