@@ -105,7 +105,7 @@ typedef struct {
     rw_crossing *due;
     double *goal_p, *goal_mass, *goal_x;        /* values that a start leads to */
     rw_point from, path_from, path_to, trial;   /* copies of points */
-    double *good_z, *before_z, *before_zrate;   /* copies of algebraic variables and their rates */
+    double *good_z, *before_z;                   /* copies of algebraic variables */
     int *passed_before, *broken_before;
     /* of a system with inertia */
     ri_point core;
