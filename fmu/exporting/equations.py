@@ -78,7 +78,8 @@ class ModelEquations:
     @cached_property
     def networks(self) -> Networks:
         """The equations, their derivatives and the outputs for C."""
-        return Networks(self.model, self.corridor, by_pieces=self.by_pieces)
+        by_sections = self.by_sections is not None
+        return Networks(self.model, self.corridor, by_sections=by_sections, by_pieces=self.by_pieces)
 
     @cached_property
     def groups(self) -> list[int]:

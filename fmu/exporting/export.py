@@ -15,7 +15,7 @@ from typing import Literal
 import ropeway
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
-from ropeway.components.errors import CompilerError, InputError
+from ropeway.components.errors import CompiledError, CompilerError, InputError
 from ropeway.components.inertia import Inertia
 from ropeway.components.whole_files import whole
 from ropeway.fmu.errors import FmuExportError
@@ -212,7 +212,10 @@ def write_sources(interface: Interface, fmi: str, settings: model_tables.Setting
     import fmpy
 
     headers = Path(fmpy.__file__).with_name("c-code")
-    model = _model_code(interface.equations)
+    try:
+        model = _model_code(interface.equations)
+    except CompiledError as error:
+        raise FmuExportError(error.cause, "Write this equation by other functions") from error
     data = model_tables.fill(interface, settings)
     templates = {**core_files(), "fmi_shared.h": (_TEMPLATES / "fmi_shared.h").read_text()}
     wrapper = f"fmi{fmi[0]}.c"

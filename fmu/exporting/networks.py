@@ -20,14 +20,15 @@ _X, _Z = 1, 2
 
 class Networks:
     """The networks of a system by their names in model_data.h, a list for each: of the places of a carriage, of the
-    clocks, or one. `by_pieces`: the compiled core solves the system. Raises Interrupted."""
+    clocks, or one. What the compiled core has itself is left out: of a line `by_sections` its equations, of it and of
+    others `by_pieces` the derivatives. Raises CompiledError, Interrupted."""
 
-    def __init__(self, model: Model, corridor: Corridor | None, *, by_pieces: bool) -> None:
+    def __init__(self, model: Model, corridor: Corridor | None, *, by_sections: bool, by_pieces: bool) -> None:
         graphs = [_graph_of_model(model)] if corridor is None else _graphs_of_places(corridor)
         first, clocks = graphs[0], graphs[0].results[3:]
         limits = [first.y[int(i)] for i in model.limits.output] if corridor is None else []
         self.lists: dict[str, list[Network]] = {
-            "equations": [swept_network(g, [*g.ode, *g.alg]) for g in graphs],
+            "equations": [] if by_sections else [swept_network(g, [*g.ode, *g.alg]) for g in graphs],
             "all": [swept_network(g, [*g.ode, *g.alg, *g.y], tangents=True) for g in graphs],
             "matrix": [] if by_pieces else [swept_network(g, [*g.ode, *g.alg], (_X, _Z)) for g in graphs],
             "rates": [swept_network(first, first.ode)],

@@ -60,8 +60,10 @@ class Tables:
         self._body.append(f"const {kind} rw_{name} = {{{cells}}};")
 
     def structures(self, kind: str, name: str, values: Sequence[str]) -> None:
-        """An array of structures, each by its initialiser."""
-        self._body.append(f"const {kind} rw_{name}[] = {{{', '.join(values) or '{{0}}'}}};")
+        """An array of structures, each by its initialiser; without one it is a structure of zeros."""
+        self._body.append(
+            f"const {kind} rw_{name}[{max(1, len(values))}]" + (f" = {{{', '.join(values)}}};" if values else ";")
+        )
 
     def source(self, fingerprint: str) -> str:
         """model_data.c, with what identifies the content of its FMU."""

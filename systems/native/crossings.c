@@ -16,11 +16,6 @@ double rs_travel_rate(const rs_line *l, const rs_point *q, int k)
     return l->state[k] >= 0 ? q->x_rate[l->state[k]] : l->travel[k] >= 0 ? q->z_rate[l->travel[k]] : 0.0;
 }
 
-static int is_last(const rs_line *l, int k)
-{
-    return k + 1 == l->run_first[l->run_of[k] + 1];
-}
-
 /* How far the rope over a support is from the next load forward and backward. */
 static void gaps(const rs_line *l, const rs_point *q, const rs_motion *m, int k, double *ahead, double *behind)
 {
@@ -30,7 +25,7 @@ static void gaps(const rs_line *l, const rs_point *q, const rs_motion *m, int k,
     double rope = rs_rope(l, q, m, k);
     *ahead = beyond < count ? rope - place[beyond] : INFINITY;
     *behind = beyond > 0 ? place[beyond - 1] - rope : INFINITY;
-    if (l->around[run] && is_last(l, k)) *ahead = *behind = INFINITY;
+    if (l->around[run] && rs_is_last(l, k)) *ahead = *behind = INFINITY;
 }
 
 /* The load that crosses first at the present rates. */
@@ -60,21 +55,6 @@ void rs_look_again(const rs_line *l, const rs_point *q, const rs_motion *m, rs_c
     load->gap = load->forward ? ahead : behind;
     if (!load->forward) rate = -rate;
     load->time = rate > 1e-12 ? load->gap / rate : INFINITY;
-}
-
-/* The sections on both sides of a support, among `sections`. */
-int rs_beside(const rs_line *l, int k, int *sections, int count)
-{
-    int run = l->run_of[k], ends[3] = {-1, -1, -1};
-    if (k > l->run_first[run]) ends[0] = l->section_of[k - run - 1];
-    if (!is_last(l, k)) ends[1] = l->section_of[k - run];
-    if (k == l->run_first[run] && l->around[run]) ends[2] = l->section_of[l->run_first[run + 1] - run - 2];
-    for (int e = 0; e < 3; e++) {
-        int known = ends[e] < 0;
-        for (int i = 0; i < count && !known; i++) known = sections[i] == ends[e];
-        if (!known && count < RS_MOST) sections[count++] = ends[e];
-    }
-    return count;
 }
 
 /* Tension of a rope with `share` of a load added to its tension vector. */
@@ -123,7 +103,7 @@ static int passes(const rs_line *l, const rs_point *q, const rs_motion *m, int k
     long long load = m->load_first[run] + m->passed[k] - (forward ? 0 : 1);
     const double *going;
     double coming[3], one[3], ratio;
-    if (l->held[k] < 0 || k == l->run_first[run] || is_last(l, k)) return 1;
+    if (l->held[k] < 0 || k == l->run_first[run] || rs_is_last(l, k)) return 1;
     going = q->z + l->force[span];
     tension_at_end(l, q, m, span - 1, coming);
     pull_of(q, m, load, one);
@@ -158,7 +138,7 @@ static int write_beside(const rs_line *l, rs_point *q, const rs_motion *m, int k
 {
     int run = l->run_of[k];
     if (k > l->run_first[run] && !rs_write_slots(l, q, m, k - run - 1)) return 0;
-    return is_last(l, k) || rs_write_slots(l, q, m, k - run);
+    return rs_is_last(l, k) || rs_write_slots(l, q, m, k - run);
 }
 
 /* Moves a load past a support, or back; 0 where a span has too few slots. */
@@ -197,7 +177,7 @@ static int overrun(const rs_line *l, const rs_point *q, const rs_motion *m, cons
             gaps(l, q, m, k, &ahead, &behind);
             for (int j = 0; j < crossings; j++)
                 if (due[j].k == k) just = due[j].forward ? 1 : -1;
-            if (just && (first || is_last(l, k))) {
+            if (just && (first || rs_is_last(l, k))) {
                 if (!l->free_end[k] || l->around[run] || (just > 0) != first) continue;
                 if (just > 0 ? -behind > near : -ahead > near) return 1;
                 continue;
@@ -254,7 +234,7 @@ int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first
     leave(l, m, first);
     for (int i = 0; i < crossings; i++) {
         if (!passes(l, q, m, due[i].k, due[i].forward)) return RS_CROSSING;
-        count = rs_beside(l, due[i].k, sections, count);
+        count = rs_beside(l, due[i].k, sections, count, RS_MOST);
     }
     for (int i = 0; i < count; i++) m->touched[sections[i]] = 1;
     if (crossings == RS_MOST || count == RS_MOST) return RS_CROSSING;

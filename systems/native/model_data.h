@@ -91,8 +91,8 @@ extern const int rw_whole_colind[], rw_drives_colind[]; /* where their columns b
 extern const rs_line rw_line;
 extern const ri_line rw_core;
 
-/* of each place of a carriage, or one: f and g; f, g and y with changes; f and g with derivatives by x and z, where the
- * compiled core does not solve the system; margins */
+/* of each place of a carriage, or one: f and g, but of a line by sections; f, g and y with changes; f and g with
+ * derivatives by x and z, where the compiled core does not solve the system; margins */
 extern const rw_network rw_net_equations[], rw_net_all[], rw_net_matrix[], rw_net_margins[];
 /* f; f with derivatives by x and z; outputs that have limits; of each clock the new values of its entries */
 extern const rw_network rw_net_rates[], rw_net_coupling[], rw_net_limits[], rw_net_clock[];

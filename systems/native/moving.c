@@ -105,7 +105,7 @@ int rs_move(const rs_line *l, rs_point *q, rs_motion *m, double stop, const rs_d
         if (m->records + 8 > m->most || m->events + RS_MOST > 4 * m->most) return RS_FULL;
         if (!rs_next(l, q, m, &next) || next.time > stop - m->time) break;
         rs_follow(l, q, m, m->time + next.time);
-        count = rs_beside(l, next.k, sections, 0);
+        count = rs_beside(l, next.k, sections, 0, RS_MOST);
         if ((failed = correct(l, q, m, sections, count))) return failed;
         rs_look_again(l, q, m, &next);
         double near = NEAR * m->scale[l->run_of[next.k]], h = next.time;

@@ -114,7 +114,6 @@ void rs_end_force(const rs_line *l, const rs_point *q, const rs_motion *m, int s
 double rs_travel_rate(const rs_line *l, const rs_point *q, int k);
 int rs_next(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *found);
 void rs_look_again(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *load);
-int rs_beside(const rs_line *l, int k, int *sections, int count);
 int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first, int *sections, int *count);
 int rs_write_slots(const rs_line *l, rs_point *q, const rs_motion *m, int span);
 void rs_record(const rs_line *l, const rs_point *q, rs_motion *m, int grid);

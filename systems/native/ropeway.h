@@ -105,7 +105,7 @@ typedef struct {
     rw_crossing *due;
     double *goal_p, *goal_mass, *goal_x;        /* values that a start leads to */
     rw_point from, path_from, path_to, trial;   /* copies of points */
-    double *good_z, *before_z, *before_zrate;   /* copies of algebraic variables and their rates */
+    double *good_z, *before_z;                   /* copies of algebraic variables */
     int *passed_before, *broken_before;
     /* of a system with inertia */
     ri_point core;
@@ -177,7 +177,6 @@ rw_status rw_line_rates(rw_instance *m);
 void rw_through_line(rw_instance *m, const double *coupling, double factor, double *values);
 void rw_span_end(rw_instance *m, int span, double *force);
 double rw_line_law(rw_instance *m, int k, const double *load, double share);
-int rw_sections_beside(int k, int *sections, int count);
 
 /* ropeway_inertial.c */
 ri_point *rw_core_point(rw_instance *m);

@@ -156,18 +156,3 @@ double rw_line_law(rw_instance *m, int k, const double *load, double share)
     m->s.d[rw_held[k]] = held;
     return result[0];
 }
-
-/* Sections on both sides of a support, added to `sections`; returns how many they are. */
-int rw_sections_beside(int k, int *sections, int count)
-{
-    int run = rw_run_of[k], ends[3] = {-1, -1, -1};
-    if (k > rw_run_first[run]) ends[0] = rw_line.section_of[k - run - 1];
-    if (!rw_is_last(k)) ends[1] = rw_line.section_of[k - run];
-    if (rw_around[run] && k == rw_run_first[run]) ends[2] = rw_line.section_of[rw_run_first[run + 1] - run - 2];
-    for (int e = 0; e < 3; e++) {
-        int known = ends[e] < 0;
-        for (int i = 0; i < count && !known; i++) known = sections[i] == ends[e];
-        if (!known) sections[count++] = ends[e];
-    }
-    return count;
-}

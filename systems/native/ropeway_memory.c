@@ -69,7 +69,7 @@ static size_t of_calls(rw_instance *m, unsigned char *memory)
         DOUBLES(m->goal_p, RW_NP), DOUBLES(m->goal_mass, RW_NM), DOUBLES(m->goal_x, RW_NX),
         DOUBLES(m->from.x, RW_NX), DOUBLES(m->from.z, RW_NZ), DOUBLES(m->path_from.x, RW_NX), DOUBLES(m->path_from.z, RW_NZ),
         DOUBLES(m->path_to.x, RW_NX), DOUBLES(m->path_to.z, RW_NZ), DOUBLES(m->trial.x, RW_NX), DOUBLES(m->trial.z, RW_NZ),
-        DOUBLES(m->good_z, RW_NZ), DOUBLES(m->before_z, RW_NZ), DOUBLES(m->before_zrate, RW_NZ),
+        DOUBLES(m->good_z, RW_NZ), DOUBLES(m->before_z, RW_NZ),
         INTS(m->passed_before, RW_NK), INTS(m->broken_before, RW_NL),
         DOUBLES(m->core.y, RW_CORE_Y), DOUBLES(m->core.value, RW_CORE_VALUE), DOUBLES(m->core.kernel, RW_CORE_KERNEL),
         DOUBLES(m->core.dense, RW_CORE_DENSE), INTS(m->core.pivot, RW_CORE_PIVOT), DOUBLES(m->core.band, RW_CORE_BAND),

@@ -116,7 +116,7 @@ enum { REACHED, LATER, BLOCKED };
  * LATER: not within the step; BLOCKED: it cannot be located here. */
 static int reach(rw_instance *m, passage *w, rw_crossing *found)
 {
-    w->count = rw_sections_beside(found->k, w->sections, 0);
+    w->count = rs_beside(&rw_line, found->k, w->sections, 0, RW_NSEC);
     for (int trial = 0; trial < TRIALS; trial++) {
         double time = m->s.now.t + found->time;
         int close = trial > 0 && fabs(found->time) <= SHORT;
@@ -148,7 +148,7 @@ static int due_now(rw_instance *m, passage *w, rw_crossing *due, int solved)
             due[count].k = k;
             due[count].forward = rate > 0.0;
             due[count++].load = m->s.passed[k] - (rate > 0.0 ? 0 : 1);
-            w->count = rw_sections_beside(k, w->sections, more);
+            w->count = rs_beside(&rw_line, k, w->sections, more, RW_NSEC);
             if (solved && rw_solve_sections(m, w->sections + more, w->count - more) != RW_OK) return 0;
         }
     return count;

@@ -43,6 +43,27 @@ double rs_travel(const rs_line *l, const rs_point *q, int k)
     return l->state[k] >= 0 ? q->x[l->state[k]] : l->travel[k] >= 0 ? q->z[l->travel[k]] : 0.0;
 }
 
+/* Whether a support is the last one of its run. */
+int rs_is_last(const rs_line *l, int k)
+{
+    return k + 1 == l->run_first[l->run_of[k] + 1];
+}
+
+/* The sections on both sides of a support, added to `sections`, at most so many; returns how many they are. */
+int rs_beside(const rs_line *l, int k, int *sections, int count, int most)
+{
+    int run = l->run_of[k], ends[3] = {-1, -1, -1};
+    if (k > l->run_first[run]) ends[0] = l->section_of[k - run - 1];
+    if (!rs_is_last(l, k)) ends[1] = l->section_of[k - run];
+    if (k == l->run_first[run] && l->around[run]) ends[2] = l->section_of[l->run_first[run + 1] - run - 2];
+    for (int e = 0; e < 3; e++) {
+        int known = ends[e] < 0;
+        for (int i = 0; i < count && !known; i++) known = sections[i] == ends[e];
+        if (!known && count < most) sections[count++] = ends[e];
+    }
+    return count;
+}
+
 /* Slots of the kernel for so many loads: kernels for many loads are few. */
 static int slots_for(int used)
 {

@@ -62,6 +62,8 @@ RS_API int rs_solve(const rs_line *line, rs_point *q, int section, int rates);
 RS_API int rs_solve_all(const rs_line *line, rs_point *q, int rates);
 RS_API int rs_solve_many(const rs_line *line, rs_point *q, int cases, const long long *stride, unsigned char *good);
 double rs_travel(const rs_line *line, const rs_point *q, int k);
+int rs_is_last(const rs_line *line, int k);
+int rs_beside(const rs_line *line, int k, int *sections, int count, int most);
 int rs_stable(const rs_line *line, const rs_point *q, const int *sign);
 
 #endif

@@ -1,8 +1,15 @@
 """The C of an FMU: kernels of components are the same for all lines, and how they are joined is in tables."""
 
+from pathlib import Path
+from typing import Any
+
+import pytest
+
 import ropeway as rw
+from ropeway.components.errors import CompiledError
+from ropeway.fmu.exporting import networks
 from ropeway.fmu.exporting.equations import ModelEquations
-from support.fmus import ROPE
+from support.fmus import ROPE, one_span
 
 
 def equations(spans: int) -> ModelEquations:
@@ -32,3 +39,13 @@ def test_a_line_by_sections_has_no_kernels_for_a_jacobian() -> None:
     assert general.by_sections is None
     (matrix,) = general.networks.lists["matrix"]
     assert any(matrix.entries)
+
+
+def test_an_equation_without_a_form_in_c(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def without_a_form(*_: Any, **__: Any) -> None:
+        raise CompiledError("An equation of 'own' has no form in C", "Leave out compiled=True")
+
+    monkeypatch.setattr(networks, "swept_network", without_a_form)
+    with pytest.raises(rw.fmu.FmuExportError, match="'own' has no form in C") as failed:
+        rw.fmu.export(one_span(), tmp_path / "own.fmu", platforms=())
+    assert "compiled" not in failed.value.remedy
