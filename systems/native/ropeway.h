@@ -211,7 +211,7 @@ rw_status rw_one_step(rw_instance *m, const rw_point *from, double h, int alone,
 int rw_zones_due(const rw_instance *m, rw_threshold *due);
 rw_status rw_pass_zones(rw_instance *m);
 rw_status rw_move_with_inertia(rw_instance *m, double h, double stop);
-double rw_zone_gap(const rw_instance *m, int k);
+void rw_zone_gaps(const rw_instance *m, double *gap);
 rw_status rw_require_spans(rw_instance *m);
 
 /* ropeway_loads.c */

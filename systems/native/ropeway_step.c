@@ -242,7 +242,8 @@ rw_status rw_event_indicators(rw_instance *m, double *indicator)
     rw_status status = rw_look_ahead(m);
     if (status == RW_OK) status = rw_limit_values(m);
     if (status != RW_OK) return status;
-    for (int k = 0; k < RW_NK; k++) {
+    if (RW_INERTIAL) rw_zone_gaps(m, indicator);
+    for (int k = 0; k < RW_NK && !RW_INERTIAL; k++) {
         double ahead, behind, gap;
         if (rw_is_held(m, k)) {
             rw_crossing found;
@@ -250,10 +251,6 @@ rw_status rw_event_indicators(rw_instance *m, double *indicator)
             status = rw_release_of(m, k, &found, &force);
             if (status != RW_OK) return status;
             indicator[k] = (RW_FORCE_NEAR - force) / RW_FORCE_SCALE;
-            continue;
-        }
-        if (RW_INERTIAL) {
-            indicator[k] = rw_zone_gap(m, k);
             continue;
         }
         rw_gaps(m, k, &ahead, &behind);

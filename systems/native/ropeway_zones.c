@@ -55,11 +55,11 @@ typedef struct {
     double place;
 } standing;
 
-static standing stand(const rw_instance *m, int run, int i)
+static standing stand(const rw_instance *m, int k, int i)
 {
-    int k = span_of(m, run, i), slot = m->s.passed[k] - 1 - i;
+    int slot = m->s.passed[k] - 1 - i;
     int a = m->s.d[rw_slot_tied[2 * k] + slot] > 0.0, b = m->s.d[rw_slot_tied[2 * k + 1] + slot] > 0.0;
-    return (standing){i, k, a ? k : b ? k + 1 : -1, 1, rw_load_position(m, run, i)};
+    return (standing){i, k, a ? k : b ? k + 1 : -1, 1, rw_load_position(m, rw_run_of[k], i)};
 }
 
 /* By how much an event in span k may be earlier: loads that leave one end of a short span late must not be beyond the
@@ -107,9 +107,12 @@ static int thresholds_of(const rw_instance *m, int run, rw_threshold *found, int
     for (int k = a; k <= b; k++) moves |= ties(k);
     if (!moves || rw_load_count(run) == 0) return count;
     for (int kind = 0; kind < KINDS; kind++) {
-        for (int i = m->s.passed[b]; i < m->s.passed[a]; i++) {
-            standing l = stand(m, run, i);
-            count += threshold(m, kind, &l, early_in(m, l.k), &found[count]);
+        for (int k = b - 1; k >= a; k--) {
+            double early = early_in(m, k);
+            for (int i = m->s.passed[k + 1]; i < m->s.passed[k]; i++) {
+                standing l = stand(m, k, i);
+                count += threshold(m, kind, &l, early, &found[count]);
+            }
         }
         if (rw_around[run]) continue;
         if (ties(a) && m->s.passed[a] < rw_load_count(run)) { /* the next load waits at the first support, the last one at the last */
@@ -371,14 +374,15 @@ rw_status rw_move_with_inertia(rw_instance *m, double h, double stop)
     return rw_rates(m);
 }
 
-/* Travel of the rope over support k until the next event there, whichever way it moves, as a part of a mean span. */
-double rw_zone_gap(const rw_instance *m, int k)
+/* Travel of the rope over each support until the next event there, whichever way it moves, as a part of a mean span. */
+void rw_zone_gaps(const rw_instance *m, double *gap)
 {
     rw_threshold *all = m->thresholds;
-    double gap = INFINITY;
-    for (int i = thresholds(m, all) - 1; i >= 0; i--)
-        if (all[i].k == k) gap = fmin(gap, all[i].gap - 0.5 * RW_ZONE_NEAR);
-    return isfinite(gap) ? gap / rw_span_scale[rw_run_of[k]] : 1.0;
+    for (int k = 0; k < RW_NK; k++) gap[k] = 1.0;
+    for (int i = thresholds(m, all) - 1; i >= 0; i--) {
+        int k = all[i].k;
+        gap[k] = fmin(gap[k], (all[i].gap - 0.5 * RW_ZONE_NEAR) / rw_span_scale[rw_run_of[k]]);
+    }
 }
 
 /* Solves the line where it starts: a load whose place is beyond a support would have to cross it first. */

@@ -267,7 +267,7 @@ class _Settings:
 _SET = (Kind.STATE, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
 """The vectors whose entries can be set."""
 _NONE = Range(np.inf, -np.inf)
-"""Of what cannot be set."""
+"""Of entries that are results: it has no numbers."""
 
 
 @kept_with_model
