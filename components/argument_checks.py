@@ -28,11 +28,11 @@ def checked(target: _Target) -> _Target:
     A wrong type, or an unknown, missing or superfluous argument is an InputError.
     """
     if not isinstance(target, type):
-        return typing.cast(_Target, _checked_call(target, target.__qualname__, lambda: _hints_of(target)))
+        return typing.cast(_Target, _checked_call(target, target.__qualname__, lambda: hints_of(target)))
     kind: Any = target
     if isinstance(vars(kind).get("__init__"), FunctionType):
         constructor = kind.__init__
-        kind.__init__ = _checked_call(constructor, kind.__name__, lambda: _hints_of(constructor, kind))
+        kind.__init__ = _checked_call(constructor, kind.__name__, lambda: hints_of(constructor, kind))
     for name, member in list(vars(kind).items()):
         function = member.__func__ if isinstance(member, (classmethod, staticmethod)) else member
         if (not name.startswith("_") or name == "__getitem__") and isinstance(function, FunctionType):
@@ -144,7 +144,7 @@ def _signature(function: Any, owner: str, hints: Mapping[str, Any]) -> _Signatur
     return _Signature(owner, tuple(positional), tuple(required), checks, rest, everything)
 
 
-def _hints_of(function: Any, kind: type | None = None) -> dict[str, Any]:
+def hints_of(function: Any, kind: type | None = None) -> dict[str, Any]:
     """Annotations of the arguments.
 
     Those of a constructor that belong to a field are resolved in the module of the class that declares the field.

@@ -18,15 +18,6 @@ import casadi as ca
 from ropeway.components.catenary import Piece, Strain, Uniform, Vector, Weight, after, end_of, piece_of
 
 
-class Moves(NamedTuple):
-    """Derivatives of the vector from the start of a span to its end: by the tension vector at its start, a row for each
-    component of the reach; by its length; and by the distance of each load."""
-
-    by_force: tuple[Vector, Vector, Vector]
-    by_length: Vector
-    by_distance: tuple[Vector, ...]
-
-
 class _Sums(NamedTuple):
     """Integrals along pieces with one tension vector across the vertical, v being the component along it: of g, of k =
     dg/dT / T, of k v, and of g + k v^2."""
@@ -37,6 +28,41 @@ class _Sums(NamedTuple):
     along: Any
 
 
+class Plane(NamedTuple):
+    """Of a span without wind, in its vertical plane: its level tension (x, y), the sums of its pieces, and how its end
+    moves with its length and the distance of each load: as a multiple of the level tension, and upwards."""
+
+    level: tuple[Any, Any]
+    sums: _Sums
+    by_length: tuple[Any, Any]
+    by_distance: tuple[tuple[Any, Any], ...]
+
+    def forces(self, reach: Vector, ways: Sequence[tuple[Any, Any]]) -> list[Vector]:
+        """The moves of the tension vector that move the end by `reach`, and by `ways` in the plane."""
+        (fx, fy), (size, across, mixed, along) = self.level, self.sums
+        h2 = fx * fx + fy * fy
+        flat = size + across * h2  # in the plane; across it the end gives way by `size`
+        inverse = 1 / (flat * along - mixed * mixed * h2)
+        own, other, upright = along * inverse, mixed * inverse, flat * inverse
+        ahead, aside = fx * reach[0] + fy * reach[1], 1 / size
+        turned = (mixed * other - across * own) * aside * ahead - other * reach[2]
+        found = [(reach[0] * aside + turned * fx, reach[1] * aside + turned * fy, upright * reach[2] - other * ahead)]
+        for more, up in ways:
+            turned = own * more - other * up
+            found.append((turned * fx, turned * fy, upright * up - other * h2 * more))
+        return found
+
+
+class Moves(NamedTuple):
+    """Derivatives of the vector from the start of a span to its end: by the tension vector at its start, a row for each
+    component of the reach; by its length; and by the distance of each load. `plane`: the same, None with wind."""
+
+    by_force: tuple[Vector, Vector, Vector]
+    by_length: Vector
+    by_distance: tuple[Vector, ...]
+    plane: Plane | None
+
+
 def moves(
     force: Vector, weight: Weight, strain: Strain, length: Any, distances: Sequence[Any], loads: Sequence[Any]
 ) -> Moves:
@@ -44,6 +70,7 @@ def moves(
     up: Vector = weight.up if isinstance(weight, Uniform) else (0.0, 0.0, 1.0)
     sums: list[tuple[Vector, _Sums]] = []
     ends: list[tuple[Vector, Vector]] = []
+    ways: list[tuple[tuple[Any, Any], tuple[Any, Any]]] = []
     level: Vector = (force[0], force[1], 0.0)
     at: Any = 0.0
     for distance, load in zip((*distances, length), (*loads, 0.0), strict=True):
@@ -52,14 +79,36 @@ def moves(
         if not isinstance(weight, Uniform) and sums:
             own = _Sums(*(a + b for a, b in zip(sums.pop()[1], own, strict=True)))
         sums.append((weight.parts(force)[0] if isinstance(weight, Uniform) else level, own))
-        last = end_of(force, weight, distance - at)
-        ends.append((_scaled(force, _share(piece.t0, strain)), _scaled(last, _share(piece.t1, strain))))
+        last, share_0, share_1 = (
+            end_of(force, weight, distance - at),
+            _share(piece.t0, strain),
+            _share(piece.t1, strain),
+        )
+        ends.append((_scaled(force, share_0), _scaled(last, share_1)))
+        ways.append(((share_0, piece.v0 * share_0), (share_1, piece.v1 * share_1)))
         force, at = after(last, load), distance
     by_distance = tuple(
         (before[0] - behind[0], before[1] - behind[1], before[2] - behind[2])
         for (_, before), (behind, _) in pairwise(ends)
     )
-    return Moves(_matrix(sums, up), ends[-1][1], by_distance)
+    plane: Plane | None = None
+    if not isinstance(weight, Uniform):
+        moved = tuple((a[0] - b[0], a[1] - b[1]) for (_, a), (b, _) in pairwise(ways))
+        plane = Plane((level[0], level[1]), sums[0][1], ways[-1][1], moved)
+    return Moves(_matrix(sums, up), ends[-1][1], by_distance, plane)
+
+
+def solved(matrix: tuple[Vector, Vector, Vector], sides: Sequence[Vector]) -> list[Vector]:
+    """Solutions of a system of three equations, rows of a matrix, by Cramer's rule, on CasADi's symbols."""
+    one, two, three = (ca.vertcat(*(row[i] for row in matrix)) for i in range(3))
+    cofactors = (ca.cross(two, three), ca.cross(three, one), ca.cross(one, two))
+    inverse = 1.0 / ca.dot(one, cofactors[0])
+    x, y, z = (row * inverse for row in cofactors)
+    return [(ca.dot(x, side), ca.dot(y, side), ca.dot(z, side)) for side in map(_column, sides)]
+
+
+def _column(vector: Vector) -> Any:
+    return ca.vertcat(*vector)
 
 
 def _share(tension: Any, strain: Strain) -> Any:

@@ -189,16 +189,37 @@ class Span(Component):
     def closure_moves(self, v: Any) -> tuple[tuple[Any, ...], ...]:
         """Derivatives of the closure, each (3,): by the components of the tension vector, and by the travels at a and
         b. What differentiation of `equations` gives, in fewer operations."""
+        found = self._moves(v)
+        return (*found.by_force, *self._by_travels(v, found.by_length, found.by_distance))
+
+    def force_moves(self, v: Any, closure: Sequence[Any]) -> list[catenary.Vector]:
+        """How the tension vector moves so that the span reaches its end: for a closure (3,), and for each metre of
+        travel at a and at b."""
+        found = self._moves(v)
+        own = found if found.plane is None else found.plane
+        at_a, at_b = self._by_travels(v, own.by_length, own.by_distance)
+        sides = [tuple(-miss for miss in side) for side in (closure, at_a, at_b)]
+        if found.plane is None:
+            return compliance.solved(found.by_force, sides)
+        return found.plane.forces(sides[0], sides[1:])
+
+    def _moves(self, v: Any) -> compliance.Moves:
         length, distance = in_span(v)
-        distances = [distance[j] for j in range(distance.numel())]
         weight, strain, loads = self._hung(v, v.slot_mass)
-        found = compliance.moves((v.force_x, v.force_y, v.force_z), weight, strain, length, distances, loads)
-        at_a, at_b = list(found.by_length), [-move for move in found.by_length]
-        for j, moved in enumerate(found.by_distance):
-            for i in range(3):
-                at_a[i] += moved[i] * (v.slot_ride[j] + v.slot_empty[j])
-                at_b[i] -= moved[i] * v.slot_empty[j]
-        return (*found.by_force, tuple(at_a), tuple(at_b))
+        distances = [distance[j] for j in range(distance.numel())]
+        return compliance.moves((v.force_x, v.force_y, v.force_z), weight, strain, length, distances, loads)
+
+    @staticmethod
+    def _by_travels(
+        v: Any, by_length: Sequence[Any], by_distance: Sequence[Sequence[Any]]
+    ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """How an end moves by the travels at a and b, from its moves by the length and the distances of loads."""
+        at_a, at_b = list(by_length), [-move for move in by_length]
+        for j, moved in enumerate(by_distance):
+            for i, own in enumerate(moved):
+                at_a[i] += own * (v.slot_ride[j] + v.slot_empty[j])
+                at_b[i] -= own * v.slot_empty[j]
+        return tuple(at_a), tuple(at_b)
 
     def _hung(self, v: Any, mass: Any) -> tuple[catenary.Weight, catenary.Strain, list[Any]]:
         """Weight and strain of the rope, and its loads of some masses in the slots, as `catenary.loaded` takes them."""

@@ -19,11 +19,12 @@ from ropeway.components.errors import InputError
 from ropeway.components.inertia import Inertia
 from ropeway.components.schedule import Schedule
 from ropeway.fmu.exporting.carriage_corridor import Corridor
+from ropeway.fmu.exporting.inertial_solution import InertialSolution
 from ropeway.fmu.exporting.section_solution import SectionSolution, room_of
 from ropeway.systems.dynamics.run_inputs import is_speed, require_no_events, started
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.intervention import INERTIAL, SWITCHED
-from ropeway.systems.solvers.line_sections import line_sections
+from ropeway.systems.solvers.line_sections import UnfitError, line_sections
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import loads_once, unpin
@@ -100,11 +101,16 @@ class ModelEquations:
         diagonal = _diagonal(matrix.shape[0], x.numel())
         return ca.Function("rw_jacobian", self.symbols, [ca.project(matrix, matrix.sparsity() + diagonal)])
 
+    @property
+    def by_pieces(self) -> bool:
+        """Whether the compiled core solves the equations, by sections of a line or by its pieces of rope."""
+        return self.by_sections is not None or isinstance(self.inertial, InertialSolution)
+
     @cached_property
     def groups(self) -> list[int]:
-        """Of each of (x, z) its group: no equation depends on two of a group. Empty unless the line is solved by
-        sections, which needs these derivatives rarely."""
-        if self.by_sections is None:
+        """Of each of (x, z) its group: no equation depends on two of a group. Empty unless the compiled core solves the
+        equations piece by piece, and needs these derivatives rarely."""
+        if not self.by_pieces:
             return []
         colours = self.pattern.uni_coloring()
         found = np.zeros(colours.shape[0], dtype=int)
@@ -138,6 +144,16 @@ class ModelEquations:
         return None if isinstance(sections, str) else SectionSolution(self.model, sections, coupled=self.coupled)
 
     @cached_property
+    def inertial(self) -> InertialSolution | UnfitError | None:
+        """How a system with inertia is solved, or why the compiled core does not have it; None without inertia."""
+        if self.model.inertia is None:
+            return None
+        try:
+            return InertialSolution(self.model)
+        except UnfitError as reason:
+            return reason
+
+    @cached_property
     def clocks(self) -> tuple[ca.Function, ...]:
         """(t, x, z, u, p, d) -> new values of the entries of each clock, dense."""
         return tuple(
@@ -148,7 +164,7 @@ class ModelEquations:
     @cached_property
     def pattern(self) -> ca.Sparsity:
         """Pattern of the Jacobian."""
-        if self.by_sections is None and self.jacobian is not None:
+        if not self.by_pieces and self.jacobian is not None:
             return self.jacobian.sparsity_out(0)
         dae = self.model.dae
         rows = [ca.horzcat(dae.jac_sparsity(i, 1), dae.jac_sparsity(i, 2)) for i in range(2)]

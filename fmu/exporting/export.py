@@ -24,6 +24,7 @@ from ropeway.fmu.exporting.binaries import binary_folder, universal
 from ropeway.fmu.exporting.carriage_corridor import Corridor
 from ropeway.fmu.exporting.equations import ModelEquations
 from ropeway.fmu.exporting.generated_code import c_files
+from ropeway.fmu.exporting.inertial_solution import InertialSolution
 from ropeway.fmu.exporting.interface import Interface
 from ropeway.fmu.exporting.terminals import terminals, terminals_and_icons
 from ropeway.systems.dynamics.inertia.inertial_system import carries_loads
@@ -34,6 +35,7 @@ from ropeway.systems.native import compiler
 from ropeway.systems.native.core import core_files
 from ropeway.systems.native.object_cache import ObjectCache
 from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.solvers.line_sections import UnfitError
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 
@@ -97,8 +99,8 @@ def export(
         Deceleration [m/s2] of a Boolean input `emergency_stop`, by which an importer stops all drives during a run, as
         an `Intervention` does; by default there is none.
     inertia : Inertia, optional
-        The inertia of ropes, loads and wheels, of a system whose loads do not run over supports. Booleans
-        `span.broken` and `carriage.dropped` can be inputs. By default the line is in equilibrium at every time.
+        The inertia of ropes, loads and wheels; loads run over supports as in `simulate`. Booleans `span.broken` and
+        `carriage.dropped` can be inputs. By default the line is in equilibrium at every time.
 
     Returns
     -------
@@ -114,7 +116,8 @@ def export(
     EquilibriumError
         The system has no equilibrium.
     FmuExportError
-        The compiler failed, a component is an FMU itself, or loads run over supports of a line with inertia.
+        The compiler failed, a component is an FMU itself, or loads run over supports of a line with inertia that the
+        compiled core does not have, as one whose drives share a power unit.
     WriteError
         The file could not be written.
     Interrupted
@@ -147,8 +150,9 @@ def export(
         raise InputError("station and payload apply to skyline rigs only", "Omit them")
     else:
         rest = system if isinstance(system, Equilibrium) else equilibrium(system)
-        _require_exportable(rest.model, inertia)
+        _require_exportable(rest.model)
         equations = ModelEquations.at(rest, inertia)
+        _require_crossings(equations)
     interface = Interface(equations, inputs, outputs, parameters, stops=emergency_stop is not None)
     settings = model_tables.Settings(tolerance, emergency_stop)
     with whole(target) as file:  # a full disk of the compiler's folder is a WriteError as well
@@ -159,17 +163,22 @@ def export(
     return target
 
 
-def _require_exportable(model: Model, inertia: Inertia | None) -> None:
+def _require_exportable(model: Model) -> None:
     """Raises FmuExportError for a model that an FMU cannot have."""
     if model.external:
         raise FmuExportError(
             f"A component of {model.name!r} is an FMU itself",
             "Export the system without it, and couple both by CoSimulation",
         )
-    moving = next((run for run in model.runs if carries_loads(run)), None)
-    if moving is not None and (inertia or model.inertia) is not None:
+
+
+def _require_crossings(equations: ModelEquations) -> None:
+    """Raises FmuExportError where loads run over supports of a system with inertia that the core does not have."""
+    moving = next((run for run in equations.model.runs if carries_loads(run)), None)
+    if moving is not None and isinstance(equations.inertial, UnfitError):
         raise FmuExportError(
-            f"Loads of {moving.name} run over its supports, which an FMU with inertia does not have",
+            f"Loads of {moving.name} run over its supports, which an FMU with inertia cannot solve: "
+            f"{equations.inertial}",
             "Export the system, or an equilibrium of it, without inertia",
         )
 
@@ -225,6 +234,8 @@ def _model_code(equations: ModelEquations) -> tuple[dict[str, str], str]:
     files = c_files(equations.functions)
     if equations.by_sections is not None:
         files |= equations.by_sections.sources
+    if isinstance(equations.inertial, InertialSolution):
+        files |= equations.inertial.sources
     declarations = "\n".join(
         f"int {f.name()}(const double **arg, double **res, int *iw, double *w, int mem);" for f in equations.functions
     )

@@ -9,6 +9,7 @@ import numpy as np
 
 from ropeway.components.errors import InputError
 from ropeway.fmu.exporting.carriage_corridor import Corridor
+from ropeway.fmu.exporting.inertial_solution import InertialSolution, fill_inertial
 from ropeway.fmu.exporting.interface import Interface
 from ropeway.fmu.exporting.section_solution import fill_line
 from ropeway.systems.dynamics.load_crossings import balances_of
@@ -167,6 +168,8 @@ def _runs(tables: Tables, interface: Interface) -> None:
     _loads(tables, state, equations.mass_names)
     tables.integers("wind", [m.u.index.get(name, -1) for name in ("wind_pressure", "wind_from")])
     tables.integers("north", [m.p.index.get("north", -1)])
+    inertial = equations.inertial
+    fill_inertial(tables, inertial if isinstance(inertial, InertialSolution) else None, m)
 
 
 def _loads(tables: Tables, state: LineState, mass_names: Sequence[Sequence[str]]) -> None:

@@ -69,7 +69,7 @@ class CompiledSections(SectionIntegrator):
             if code == UNFORESEEN:
                 raise UnforeseenError
             # A crossing can activate a limit that is inactive again before the stop.
-            if code == COUPLED or self._is_coupled(limits):
+            if code == COUPLED or (code == PASSED and core.drives is not None) or self._is_coupled(limits):
                 return None
             if code == REACHED:
                 return motion
@@ -133,18 +133,18 @@ class CompiledSections(SectionIntegrator):
         """Takes over the state and the records of the core's last call, with their events; returns the rates."""
         line, state, core, recorder = self.line, self.line.state, self.line.moving, self.recorder
         pending = [recorder.pending] if agenda is None else [agenda.pending(ticks) for ticks in core.epochs()]
-        records = core.entries(state, pending)
+        block = core.written(state, pending)
         happened: list[tuple[int, loads.Crossing | tuple[str, float]]] = [*core.crossed()]
         if agenda is not None and core.motion.responses:
             happened = sorted([*happened, *core.corrected()], key=lambda entry: entry[0])
         for record, what in happened:
-            time = records[record].record.time
+            time = float(block.time[record])
             if isinstance(what, loads.Crossing):
                 self.guard.require(time, state.runs[what.r].nodes[what.k].name)
                 recorder.note(state, what, loads.passing_event(state, what), time)
             else:
                 recorder.events.append(Event(time, what[0], "response", what[1]))
-        recorder.entries += records
+        recorder.take(block, core.on_grid())
         recorder.pending = pending[-1]
         state.passed = core.passed()
         line.set_time(core.motion.time)

@@ -13,7 +13,6 @@ from ropeway.components.catenary import Uniform
 from ropeway.systems.dynamics.agenda import Agenda
 from ropeway.systems.dynamics.line_stepper import LEAST_STEP, LONGEST_STEP
 from ropeway.systems.dynamics.load_crossings import Crossing
-from ropeway.systems.dynamics.recorder import Entry
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.native import section_library as core
@@ -21,9 +20,9 @@ from ropeway.systems.solvers.compiled_line import CompiledLine, PointSolver
 from ropeway.systems.solvers.compiled_nodes import Filled, compiled_clocks, compiled_drives, no_clocks
 from ropeway.systems.solvers.compiled_rows import load_tables
 from ropeway.systems.solvers.drive_trajectories import NODES, WEIGHTS, Window
-from ropeway.systems.statics.line_records import Record
 from ropeway.systems.statics.line_state import LineState, load_force, read_value, span_rope
 from ropeway.systems.statics.pending_events import Pending
+from ropeway.systems.statics.record_blocks import RecordBlock
 
 _NUMBERS = 2_000_000
 """Numbers in the records that the core keeps before they are taken over, about."""
@@ -50,7 +49,8 @@ class CoreMotion:
     def __init__(self, line: CompiledLine, state: LineState) -> None:
         self.line, tables, model = line, line.tables, state.model
         self._loads = [run.loads for run in state.runs]
-        self._nodes = np.cumsum([len(run.nodes) for run in state.runs])[:-1]
+        sizes = [len(run.nodes) for run in state.runs]
+        self._nodes, self._first = np.cumsum(sizes)[:-1], np.repeat([own.first for own in self._loads], sizes)
         most = int(np.clip(_NUMBERS // (tables.nx + tables.nz + tables.supports), 64, 512))
         drives = compiled_drives(model)
         self.drives = None if drives is None else drives.filled()
@@ -177,20 +177,25 @@ class CoreMotion:
         tables, point = ctypes.byref(self.line.tables), ctypes.byref(self.solver.point)
         return int(getattr(self.line.core, name)(tables, point, ctypes.byref(self.motion), *more))
 
-    def entries(self, state: LineState, pending: Sequence[Pending]) -> list[Entry]:
+    def written(self, state: LineState, pending: Sequence[Pending]) -> RecordBlock:
         """The records of the last call; `pending`: what is pending in each epoch."""
-        count = self.motion.records
-        x, z, beyond = self._x[:count].copy(), self._z[:count].copy(), self._beyond[:count]
-        varied = bool(np.any(self._u[:count] != state.point.u))
-        by_run = [p + own.first for p, own in zip(np.split(beyond, self._nodes, axis=1), self._loads, strict=True)]
-        u = list(self._u[:count].copy()) if varied else [state.point.u.copy()] * count
-        kept = [row.copy() for row in self._kept[: self.motion.epoch + 1]]
-        passed = zip(*by_run, strict=True)
-        epochs = self._epoch[:count].tolist()
-        by_epoch = [kept[i] for i in epochs], [pending[i] for i in epochs]
-        records = map(Record._make, zip(self._time[:count].tolist(), x, z, u, passed, *by_epoch, strict=True))
-        grid = self._grid[:count].astype(bool).tolist()
-        return [*map(Entry._make, zip(records, grid, grid, strict=True))]
+        count, u = self.motion.records, state.point.u
+        varied = self._u[:count] if np.any(self._u[:count] != u) else u[None]
+        return RecordBlock(
+            self._time[:count].copy(),
+            self._x[:count].copy(),
+            self._z[:count].copy(),
+            np.broadcast_to(varied.copy(), (count, len(u))),
+            self._beyond[:count] + self._first,
+            self._nodes,
+            self._epoch[:count].copy(),
+            self._kept[: self.motion.epoch + 1].copy(),
+            pending,
+        )
+
+    def on_grid(self) -> list[bool]:
+        """Which records of the last call are at a time of the grid."""
+        return list(map(bool, self._grid[: self.motion.records].tolist()))
 
     def epochs(self) -> list[list[int]]:
         """How often each clock has ticked in each epoch of the last run."""

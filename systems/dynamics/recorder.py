@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from ropeway.systems.results.run_data import Event
 from ropeway.systems.statics.line_records import AnyRecord, Record, part_of, recorded
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.pending_events import Pending
+from ropeway.systems.statics.record_blocks import RecordBlock, Records
 
 _LARGE = 1000
 """Algebraic variables of a model from which records hold only what has changed."""
@@ -20,11 +22,11 @@ _PARTS = 256
 
 
 class Entry(NamedTuple):
-    """A state of a run: whether it is at a time of the result's grid, and whether all its sections are solved."""
+    """States of a run: whether each is at a time of the result's grid, and whether all its sections are solved."""
 
-    record: AnyRecord
-    on_grid: bool
-    exact: bool
+    records: Sequence[AnyRecord]
+    on_grid: Sequence[bool]
+    exact: Sequence[bool]
 
 
 class Checkpoint(NamedTuple):
@@ -46,6 +48,10 @@ class Recorder:
         self._last: Record | None = None
         self._packed, self._parts = 0, 0
 
+    @property
+    def _packs(self) -> bool:
+        return self._model is not None and len(self._model.z) >= _LARGE
+
     def checkpoint(self) -> Checkpoint:
         """A mark that `rewind` returns to."""
         self._pack()
@@ -60,23 +66,33 @@ class Recorder:
 
     def _pack(self) -> None:
         """Reduces those of the entries so far, but the last, in which not all sections are solved."""
-        if self._model is None or len(self._model.z) < _LARGE:
+        if self._model is None or not self._packs:
             return
         for i in range(self._packed, len(self.entries) - 1):
-            entry, last = self.entries[i], self._last
-            if not isinstance(entry.record, Record):
+            (record,), last = self.entries[i].records, self._last
+            if not isinstance(record, Record):
                 continue
-            self._last, self._parts = entry.record, self._parts + 1
-            if entry.exact or last is None or self._parts > _PARTS:
+            self._last, self._parts = record, self._parts + 1
+            if all(self.entries[i].exact) or last is None or self._parts > _PARTS:
                 self._parts = 0
                 continue
-            beside = self.entries[i - 1].record, self.entries[i + 1].record
-            self.entries[i] = entry._replace(record=part_of(self._model, entry.record, last, *beside))
+            beside = self.entries[i - 1].records[0], self.entries[i + 1].records[0]
+            part = part_of(self._model, record, last, *beside)
+            self.entries[i] = self.entries[i]._replace(records=(part,))
         self._packed = max(self._packed, len(self.entries) - 1)
 
     def record(self, state: LineState, *, on_grid: bool = False, exact: bool = True) -> None:
         """Writes a state down."""
-        self.entries.append(Entry(recorded(state, self.pending), on_grid, exact))
+        self.entries.append(Entry((recorded(state, self.pending),), (on_grid,), (exact,)))
+
+    def take(self, block: RecordBlock, on_grid: Sequence[bool]) -> None:
+        """Writes down what the compiled core has: all sections are solved at times of the grid."""
+        if not self._packs:
+            self.entries.append(Entry(block, on_grid, on_grid))
+            return
+        for record, exact in zip(block, on_grid, strict=True):
+            alone = record._replace(z=record.z.copy())  # the block is not kept
+            self.entries.append(Entry((alone,), (exact,), (exact,)))
 
     def note(self, state: LineState, crossing: Crossing, what: str, time: float | None = None) -> None:
         """Writes down what happened to a load, now or at another time [s]; the event's value is the load's number on
@@ -94,15 +110,15 @@ class Recorder:
     @property
     def on_grid(self) -> np.ndarray:
         """Which entries are at a time of the grid."""
-        return np.array([entry.on_grid for entry in self.entries], dtype=bool)
+        return np.array([flag for entry in self.entries for flag in entry.on_grid], dtype=bool)
 
     @property
     def exact(self) -> np.ndarray:
         """In which entries all sections are solved."""
-        return np.array([entry.exact for entry in self.entries], dtype=bool)
+        return np.array([flag for entry in self.entries for flag in entry.exact], dtype=bool)
 
     @property
-    def records(self) -> tuple[AnyRecord, ...]:
+    def records(self) -> Records:
         """The states."""
         self._pack()
-        return tuple(entry.record for entry in self.entries)
+        return Records(entry.records for entry in self.entries)

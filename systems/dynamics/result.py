@@ -44,7 +44,7 @@ class Result(RunData, Reported):
         The ropes with their loads.
     parameters : ndarray
         The model's parameter vector of the run, shape (np,).
-    records : tuple of Record
+    records : sequence of Record
         All states, on both sides of every event too.
     on_grid : ndarray of bool
         Which records belong to `frame`, shape (records,).

@@ -23,6 +23,7 @@ from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_records import Record
 from ropeway.systems.statics.pending_events import Pending
+from ropeway.systems.statics.record_blocks import Records
 
 _VECTORS = ("x", "z", "u", "p", "d")
 
@@ -132,10 +133,12 @@ def _write_result(encoder: Encoder, result: Result) -> dict[str, Json]:
             pending.append(own)
         which.append(len(pending) - 1)
     columns: dict[str, Any] = {"time": result.times, "on_grid": result.on_grid, "exact": result.exact, "pending": which}
+    rows = result.records.rows(np.arange(len(result.records)))
     for name in ("x", "z", "u", "kept"):
-        columns |= _columns(name, [getattr(r, name) for r in result.records])
-    for k in range(len(result.runs)):
-        columns |= _columns(f"passed{k}", [r.passed[k] for r in result.records])
+        columns |= _columns(name, getattr(rows, name))
+    nodes = np.cumsum([len(run.nodes) for run in result.runs])[:-1]
+    for k, passed in enumerate(np.split(rows.passed, nodes, axis=1) if result.runs else ()):
+        columns |= _columns(f"passed{k}", passed)
     return {
         "model": encoder.value(result.model, result.model.name),
         "loads": _loads(result.runs),
@@ -147,8 +150,8 @@ def _write_result(encoder: Encoder, result: Result) -> dict[str, Json]:
     }
 
 
-def _columns(name: str, rows: Sequence[np.ndarray]) -> dict[str, np.ndarray]:
-    return {f"{name}[{i}]": column for i, column in enumerate(np.array(rows).T)}
+def _columns(name: str, rows: np.ndarray) -> dict[str, np.ndarray]:
+    return {f"{name}[{i}]": column for i, column in enumerate(rows.T)}
 
 
 def _read_result(decoder: Decoder, data: Mapping[str, Json], keys: Keys) -> Result:
@@ -159,16 +162,16 @@ def _read_result(decoder: Decoder, data: Mapping[str, Json], keys: Keys) -> Resu
     groups = ["x", "z", "u", "kept", *(f"passed{k}" for k in range(len(runs)))]
     arrays = [table.filter(regex=rf"^{name}\[").to_numpy() for name in groups]
     times, which = table["time"].to_numpy(), table["pending"].to_numpy()
-    records = tuple(
+    records = [
         Record(float(t), x, z, u, tuple(passed), kept, pending[i])
         for t, i, x, z, u, kept, *passed in zip(times, which, *arrays, strict=True)
-    )
+    ]
     noted = decoder.thing(data["noted"], (*keys, "noted"))
     return Result(
         model,
         runs,
         np.array(decoder.value(data["parameters"], keys), dtype=float),
-        records,
+        Records([records]),
         table["on_grid"].to_numpy(dtype=bool),
         table["exact"].to_numpy(dtype=bool),
         tuple(Event(*row) for row in noted.itertuples(index=False, name=None)),

@@ -180,6 +180,15 @@ def closure_function(span: Span, variables: tuple[Variable, ...], *, weather: bo
     return ca.Function("closure", inputs, ca.cse([closure, ca.horzcat(*columns)]))
 
 
+def force_function(span: Span, variables: tuple[Variable, ...], *, weather: bool) -> ca.Function:
+    """A span's closure (3,), and `force_moves` (3, 3) by it and the travels at its ends, of the same inputs as its
+    `component_function`."""
+    v, inputs = _symbols(span, variables, weather=weather)
+    closure = list(span.equations(v).residuals.values())
+    moves = [ca.vertcat(*move) for move in span.force_moves(v, closure)]
+    return ca.Function("forces", inputs, ca.cse([ca.vertcat(*closure), ca.horzcat(*moves)]))
+
+
 def _inertia_at(eq: Equations, end: str) -> tuple[Any, ...]:
     """What an inertial node has at the seat of a rope end besides force and carried energy."""
     pull, inertia = eq.forces[end], eq.inertia[end]

@@ -118,16 +118,35 @@ class LoadSlots:
             return
         places = self._every if spans is None else self._places(*_cells(spans, self.count[spans]))
         span, slot, mass, at, ride, empty, drag = places
-        load = passed[..., span] - 1 - slot
-        full = load >= passed[..., span + 1]
-        load = np.where(full, load, 0)
-        pinned = full & (loads.pinned[load] >= 0)
-        d[..., mass] = np.where(full, loads.mass[load], 0.0)
-        d[..., at] = np.where(pinned, loads.at[load], np.where(full, loads.place[load] - start[span], 0.0))
-        d[..., ride] = full & ~pinned
+        load, full, pinned = self._loads(run, passed, span, slot)
+        d[..., mass] = np.where(full, loads.mass.take(load), 0.0)
+        d[..., at] = self._at(run, load, full, pinned, start.take(span))
+        d[..., ride] = full if pinned is None else full & ~pinned
         d[..., empty] = ~full
         if self.drag[0] >= 0:
-            d[..., drag] = np.where(full, loads.drag[load], 0.0)
+            d[..., drag] = np.where(full, loads.drag.take(load), 0.0)
+
+    def write_places(self, d: np.ndarray, run: Run, passed: np.ndarray, start: np.ndarray) -> None:
+        """As `write` of all spans, where only the places of the same loads have changed."""
+        if len(run.loads.place):
+            span, slot, _, at, *_ = self._every
+            d[..., at] = self._at(run, *self._loads(run, passed, span, slot), start.take(span))
+
+    @staticmethod
+    def _loads(
+        run: Run, passed: np.ndarray, span: np.ndarray, slot: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+        """Of slots their loads, whether they have one, and whether it is pinned, None where none is."""
+        load = passed.take(span, axis=-1) - 1 - slot
+        full = load >= passed.take(span + 1, axis=-1)
+        load *= full
+        return load, full, full & (run.loads.pinned.take(load) >= 0) if run.loads.pins else None
+
+    @staticmethod
+    def _at(run: Run, load: np.ndarray, full: np.ndarray, pinned: np.ndarray | None, start: np.ndarray) -> np.ndarray:
+        """Places of the loads in slots, from the starts of their spans."""
+        at = np.where(full, run.loads.place.take(load) - start, 0.0)
+        return at if pinned is None else np.where(pinned, run.loads.at.take(load), at)
 
 
 def _cells(spans: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -165,6 +184,11 @@ class RunLayout:
     def key(self) -> Hashable:
         """The positions that equations of solvers depend on."""
         return tuple(a.tobytes() for a in (self.length_start, self.slots.count, self.slots.at, self.slots.ride))
+
+    @cached_property
+    def holds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Places of what says that a load stands on an idler, and of the travel that it holds there."""
+        return self.held[self.held >= 0], self.held_travel[self.held_travel >= 0]
 
     @cached_property
     def holding(self) -> np.ndarray:

@@ -44,6 +44,11 @@ class Loads:
         if len(self.drag) != len(self.mass):
             object.__setattr__(self, "drag", np.zeros(len(self.mass)))
 
+    @property
+    def pins(self) -> bool:
+        """Whether a load is fixed at a distance in its span."""
+        return len(self.pinned) > 0 and bool(np.maximum.reduce(self.pinned) >= 0)
+
     def sorted(self, material: np.ndarray) -> Loads:
         """The loads in order, with positions of pinned loads from the rope coordinates at the supports.
 
@@ -76,6 +81,13 @@ class Run:
     spans: tuple[Span, ...]
     loads: Loads
     feed: Feed | None = None
+
+    def carrying(self, *, mass: np.ndarray | None = None, place: np.ndarray | None = None) -> Run:
+        """The run with other masses or places of its loads."""
+        own = self.loads
+        mass, place = own.mass if mass is None else mass, own.place if place is None else place
+        loads = Loads(own.names, mass, place, own.pinned, own.at, own.first, own.drag)
+        return Run(self.nodes, self.seats, self.spans, loads, self.feed)
 
     @property
     def name(self) -> str:
@@ -131,13 +143,13 @@ def _place(seat: Seat, read: Callable[[str], Numbers]) -> np.ndarray:
 
 
 def passed(place: np.ndarray, material: np.ndarray) -> np.ndarray:
-    """Number of loads that have passed each support, shape (supports,).
+    """Number of loads that have passed each support, of the shape of `material` (..., supports).
 
     A load has passed if its position `place` (descending) exceeds the rope coordinate at the support. A load on a
     support has not passed it.
     """
     count = np.searchsorted(-place, -material, side="left")
-    return np.asarray(np.minimum.accumulate(count))
+    return np.asarray(np.minimum.accumulate(count, axis=-1))
 
 
 def find_runs(system: System) -> tuple[Run, ...]:
@@ -294,20 +306,20 @@ def rounds(loads: Loads, begin: int, around: int, length: float, ahead: int, beh
 
 
 def loads_passed(run: Run, rope: np.ndarray) -> np.ndarray:
-    """`passed` for `rope` (supports,) at each support.
+    """`passed` for `rope` (..., supports) at each support.
 
     Loads hung by the user stay on the line; pinned loads stay in their spans.
     """
     count = passed(run.loads.place, rope)
-    pinned = np.flatnonzero(run.loads.pinned >= 0)
-    if len(pinned):
+    if run.loads.pins:
+        pinned = np.flatnonzero(run.loads.pinned >= 0)
         span = run.loads.pinned[pinned]
-        least, most = np.zeros_like(count), np.full_like(count, len(run.loads.place))
+        least, most = np.zeros(rope.shape[-1], dtype=int), np.full(rope.shape[-1], len(run.loads.place))
         np.maximum.at(least, span, pinned + 1)
         np.minimum.at(most, span + 1, pinned)
         count = np.clip(count, np.maximum.accumulate(least[::-1])[::-1], np.minimum.accumulate(most))
     if run.feed is None:
-        count[0], count[-1] = len(run.loads.place), 0
+        count[..., 0], count[..., -1] = len(run.loads.place), 0
     return count
 
 

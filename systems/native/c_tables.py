@@ -43,7 +43,7 @@ class Tables:
         self._body.append(f"const rw_function rw_{name}[{len(cells)}] = {{{', '.join(cells)}}};")
 
     def kernels(self, name: str, values: Sequence[str]) -> None:
-        """Kernels of a line by sections; they are declared too."""
+        """Kernels of components; they are declared too."""
         cells = list(values) or ["0"]
         self._head += [f"void {kernel}(const double *v, double *r);" for kernel in dict.fromkeys(values)]
         self._body.append(f"static const rs_kernel rw_{name}[{len(cells)}] = {{{', '.join(cells)}}};")
@@ -63,7 +63,8 @@ class Tables:
         """model_data.h."""
         lines = "\n".join(self._head)
         kind = "typedef int (*rw_function)(const double **arg, double **res, int *iw, double *w, int mem);"
-        guard = '#ifndef MODEL_DATA_H\n#define MODEL_DATA_H\n\n#define RS_INSIDE\n#include "sections.h"'
+        includes = '#define RS_INSIDE\n#include "sections.h"\n#include "inertial.h"'
+        guard = f"#ifndef MODEL_DATA_H\n#define MODEL_DATA_H\n\n{includes}"
         return f"/* Generated. */\n{guard}\n\n{kind}\n{functions}\n\n{lines}\n\n#endif\n"
 
     def source(self) -> str:

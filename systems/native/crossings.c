@@ -11,7 +11,7 @@ double rs_rope(const rs_line *l, const rs_point *q, const rs_motion *m, int k)
     return m->rope[k] - rs_travel(l, q, k);
 }
 
-static double rate_at(const rs_line *l, const rs_point *q, int k)
+double rs_travel_rate(const rs_line *l, const rs_point *q, int k)
 {
     return l->state[k] >= 0 ? q->x_rate[l->state[k]] : l->travel[k] >= 0 ? q->z_rate[l->travel[k]] : 0.0;
 }
@@ -38,7 +38,7 @@ int rs_next(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *
 {
     found->time = INFINITY;
     for (int k = 0; k < l->supports; k++) {
-        double ahead, behind, rate = rate_at(l, q, k), time;
+        double ahead, behind, rate = rs_travel_rate(l, q, k), time;
         if (fabs(rate) <= 1e-12) continue;
         gaps(l, q, m, k, &ahead, &behind);
         time = rate > 0.0 ? ahead / rate : behind / -rate;
@@ -55,7 +55,7 @@ int rs_next(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *
 /* The same load from here. */
 void rs_look_again(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *load)
 {
-    double ahead, behind, rate = rate_at(l, q, load->k);
+    double ahead, behind, rate = rs_travel_rate(l, q, load->k);
     gaps(l, q, m, load->k, &ahead, &behind);
     load->gap = load->forward ? ahead : behind;
     if (!load->forward) rate = -rate;
@@ -224,7 +224,7 @@ static int due_now(const rs_line *l, const rs_point *q, const rs_motion *m, cons
     int count = 1;
     due[0] = *first;
     for (int k = 0; k < l->supports && count < RS_MOST; k++) {
-        double ahead, behind, rate = rate_at(l, q, k), near = NEAR * m->scale[l->run_of[k]];
+        double ahead, behind, rate = rs_travel_rate(l, q, k), near = NEAR * m->scale[l->run_of[k]];
         if (k == first->k) continue;
         gaps(l, q, m, k, &ahead, &behind);
         if ((fabs(ahead) <= near && rate > 0.0) || (fabs(behind) <= near && rate < 0.0)) {
@@ -243,11 +243,12 @@ static void leave(const rs_line *l, rs_motion *m, const rs_coming *load)
     m->coming.load = (int)(m->passed[load->k] - (load->forward ? 0 : 1));
 }
 
-/* Loads cross; both sides are recorded. RS_CROSSING, and nothing done, where the caller must see to it. */
-int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first)
+/* Loads cross; both sides are recorded; `sections` beside are those of RS_MOST. RS_CROSSING, and nothing done, where the
+ * caller must see to it. */
+int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first, int *sections, int *beside)
 {
     rs_coming due[RS_MOST];
-    int sections[RS_MOST], count = 0, crossings = due_now(l, q, m, first, due);
+    int count = 0, crossings = due_now(l, q, m, first, due);
     int records = m->records, events = m->events, room = 1;
     double *z = m->room, *rate = z + l->nz;
     leave(l, m, first);
@@ -278,6 +279,7 @@ int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first
         return RS_CROSSING;
     }
     rs_record(l, q, m, 0);
+    *beside = count;
     return RS_REACHED;
 }
 

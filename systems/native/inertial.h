@@ -4,7 +4,9 @@
 #ifndef INERTIAL_H
 #define INERTIAL_H
 
-#ifdef _WIN32
+#ifdef RS_INSIDE /* of another library: not visible outside of it */
+#define RI_API
+#elif defined(_WIN32)
 #define RI_API __declspec(dllexport)
 #else
 #define RI_API __attribute__((visibility("default")))

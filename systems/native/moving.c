@@ -94,12 +94,12 @@ void rs_note_stop(const rs_line *l, const rs_point *q, rs_motion *m)
     m->curved = 1;
 }
 
-/* Moves a line along its window to a stop, where all sections are solved. With `drives`, none of them may come to a limit
- * at a crossing. */
+/* Moves a line along its window to a stop, where all sections are solved. With `drives`, those that move by themselves may
+ * not have come to a limit when a load crosses; where the ropes move a drive then, its window ends. */
 int rs_move(const rs_line *l, rs_point *q, rs_motion *m, double stop, const rs_drives *drives)
 {
     rs_coming next;
-    int sections[3], count, failed;
+    int sections[RS_MOST], count, failed;
     for (;;) {
         if (rs_short_of_loads(l, m)) return RS_LOADS;
         if (m->records + 8 > m->most || m->events + RS_MOST > 4 * m->most) return RS_FULL;
@@ -119,9 +119,10 @@ int rs_move(const rs_line *l, rs_point *q, rs_motion *m, double stop, const rs_d
         if (m->strict && m->time < m->crossed - m->least_step) return RS_UNFORESEEN;
         m->crossed = m->time;
         if (drives && rs_coupled(l, q, m, drives, sections, count)) return RS_COUPLED;
-        if ((failed = rs_cross(l, q, m, &next))) return failed;
-        if (drives && rs_coupled(l, q, m, drives, sections, count)) return RS_COUPLED;
+        if ((failed = rs_cross(l, q, m, &next, sections, &count))) return failed;
         if (m->single) return RS_PASSED;
+        if (!drives || m->time >= stop) continue;
+        if (rs_limited(l, drives, sections, count) || rs_coupled(l, q, m, drives, sections, count)) return RS_PASSED;
     }
     rs_follow(l, q, m, stop);
     if (m->curved) bend(l, q, m);

@@ -10,8 +10,8 @@
 
 /* Why rs_move and rs_run return: the last stop is reached; a crossing that takes more than to pass; a load has crossed
  * before the time that rates predict; the list of loads ends; no room for records; Newton's method has failed; a rope is
- * used up or unstable at a stop; a load has crossed, where it is to stop then; a limit of a drive is active; the motion
- * of a drive is not found. */
+ * used up or unstable at a stop; a load has crossed, where it is to stop then, or drives move otherwise from then on; a
+ * limit of a drive is active that moves by itself; the motion of a drive is not found. */
 enum {
     RS_REACHED,
     RS_CROSSING,
@@ -111,10 +111,11 @@ typedef struct {
 
 double rs_rope(const rs_line *l, const rs_point *q, const rs_motion *m, int k);
 void rs_end_force(const rs_line *l, const rs_point *q, const rs_motion *m, int span, int end, double *force);
+double rs_travel_rate(const rs_line *l, const rs_point *q, int k);
 int rs_next(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *found);
 void rs_look_again(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *load);
 int rs_beside(const rs_line *l, int k, int *sections, int count);
-int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first);
+int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first, int *sections, int *count);
 int rs_write_slots(const rs_line *l, rs_point *q, const rs_motion *m, int span);
 void rs_record(const rs_line *l, const rs_point *q, rs_motion *m, int grid);
 int rs_in_order(const rs_line *l, const rs_point *q, const rs_motion *m);
@@ -123,6 +124,22 @@ int rs_short_of_loads(const rs_line *l, const rs_motion *m);
 /* moving.c */
 void rs_follow(const rs_line *l, rs_point *q, rs_motion *m, double time);
 void rs_note_stop(const rs_line *l, const rs_point *q, rs_motion *m);
+
+/* drives.c: room; the kernel of a drive `after` some time with its states `x`, and inputs that follow their rates; forces
+ * at its ports; whether the rates that the kernel has given depend on them; the sections beside it, among `sections`.
+ * Whether drives that move by themselves have come to a limit here, from now on `limited`; whether any is, beside some
+ * sections. */
+rs_drive_room rs_room_of(const rs_line *l, const rs_drives *s);
+void rs_drive(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_drives *s, const rs_drive_room *r, int i,
+              double after, const double *x);
+void rs_pull(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_drives *s, const rs_drive_room *r, int i);
+int rs_feels(const rs_line *l, const rs_drives *s, const rs_drive_room *r, int i);
+int rs_drive_sections(const rs_line *l, const rs_drives *s, int i, int *sections, int count);
+int rs_note_limits(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_drives *s);
+int rs_limited(const rs_line *l, const rs_drives *s, const int *sections, int count);
+
+/* windows.c */
+int rs_drive_window(const rs_line *l, rs_point *q, rs_motion *m, rs_drives *s, double end);
 
 /* clocks.c */
 int rs_sample(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_clocks *c, double time);

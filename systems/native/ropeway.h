@@ -63,10 +63,10 @@ typedef struct {
     double stop_time, stop_speed[RW_NE + 1];
     double u[RW_NU + 1], p[RW_NP + 1], d[RW_ND + 1], mass[RW_NM + 1];
     double rate[RW_NX + 1], zrate[RW_NZ + 1], y[RW_NY + 1];
-    rw_factors lu; /* the last: a line by sections uses it within a call only */
+    rw_factors lu; /* the last: the compiled core uses it within a call only */
 } rw_state;
 
-#define RW_STATE_SIZE (RW_SECTIONS ? offsetof(rw_state, lu) : sizeof(rw_state)) /* of what is saved */
+#define RW_STATE_SIZE (RW_SECTIONS || RW_INERTIAL ? offsetof(rw_state, lu) : sizeof(rw_state)) /* of what is saved */
 
 typedef void (*rw_log_function)(void *context, rw_status status, const char *category, const char *message);
 
@@ -94,6 +94,10 @@ typedef struct {
     rw_factors drives;         /* of the drives of a line */
     double coupling[RW_NCP + 1];
     double us[RW_NU + 1], stage[4][RW_NX + 1], base[RW_NX + 1];
+    ri_point core; /* of a system with inertia, and its room */
+    double core_y[RW_CORE_Y], core_value[RW_CORE_VALUE], core_kernel[RW_CORE_KERNEL], core_dense[RW_CORE_DENSE];
+    double core_band[RW_CORE_BAND], core_room[RW_CORE_ROOM];
+    int core_pivot[RW_CORE_PIVOT];
     int mark[RW_NW + 1], stack[RW_NW + 1], place[RW_NW + 1], order[RW_NW + 1];
     const double *arg[RW_SZ_ARG];
     double *res[RW_SZ_RES];
@@ -106,6 +110,13 @@ typedef struct {
     double time, gap;
     int k, load, forward;
 } rw_crossing;
+
+/* What load `load` of a run with inertia comes to at support k, when the rope runs forwards (side 1) or backwards (-1):
+ * `gap` [m] is the travel until then at the latest; it is possible `early` [m] before. */
+typedef struct {
+    int kind, k, load;
+    double side, gap, early;
+} rw_threshold;
 
 extern const rw_pattern rw_whole, rw_drives; /* the whole line, and its drives alone */
 
@@ -127,6 +138,7 @@ double rw_support_travel(const rw_instance *m, int k);
 double rw_travel_rate(const rw_instance *m, int k);
 int rw_is_last(int k);
 int rw_is_held(const rw_instance *m, int k);
+void rw_tell_crossing(rw_instance *m, double time, const rw_crossing *crossing, int held);
 void rw_write_slots(rw_instance *m);
 void rw_slot_seeds(rw_instance *m);
 rw_status rw_check_slots(rw_instance *m);
@@ -154,6 +166,11 @@ void rw_span_end(rw_instance *m, int span, double *force);
 double rw_line_law(rw_instance *m, int k, const double *load, double share);
 int rw_sections_beside(int k, int *sections, int count);
 
+/* ropeway_inertial.c */
+ri_point *rw_core_point(rw_instance *m);
+int rw_core_solved(rw_instance *m, int failed);
+int rw_core_solve(rw_instance *m);
+
 /* ropeway_solve.c */
 int rw_matrix(rw_instance *m, double t, const double *x, const double *z, const double *u);
 int rw_factor_matrix(rw_instance *m, double hg);
@@ -178,12 +195,18 @@ rw_status rw_tangent_of(rw_instance *m);
 /* ropeway_integrator.c */
 rw_status rw_one_step(rw_instance *m, const rw_point *from, double h, int alone, double *error);
 
+/* ropeway_zones.c */
+int rw_zones_due(const rw_instance *m, rw_threshold *due);
+rw_status rw_pass_zones(rw_instance *m);
+rw_status rw_move_with_inertia(rw_instance *m, double h, double stop);
+double rw_zone_gap(const rw_instance *m, int k);
+rw_status rw_require_spans(rw_instance *m);
+
 /* ropeway_loads.c */
 void rw_gaps(const rw_instance *m, int k, double *ahead, double *behind);
 int rw_next_crossing(const rw_instance *m, rw_crossing *found);
 rw_status rw_overrun_settle(rw_instance *m);
 rw_status rw_overrun_moving(rw_instance *m);
-void rw_tell_crossing(rw_instance *m, double time, const rw_crossing *crossing, int held);
 rw_status rw_put_across(rw_instance *m, const rw_crossing *crossing);
 rw_status rw_cross(rw_instance *m, const rw_crossing *first);
 int rw_standing(const rw_instance *m);

@@ -64,6 +64,7 @@ rw_status rw_rates(rw_instance *m)
     rw_status status = rw_solve(m);
     if (status != RW_OK || m->s.rated) return status;
     if (RW_SECTIONS) return rw_line_rates(m);
+    if (RW_INERTIAL && rw_core_solve(m)) return RW_OK;
     if (RW_COUPLED || !m->s.lu.valid || m->s.lu.hg != 0.0) {
         m->s.lu.exact = 0;
         status = exact(m);

@@ -52,7 +52,7 @@ void rw_reset(rw_instance *m)
     memcpy(s->mass, rw_mass_start, RW_NM * sizeof(double));
     memcpy(s->passed, rw_passed_start, RW_NK * sizeof(int));
     for (int i = 0; i < RW_NSW; i++) s->on[i] = s->d[rw_switch[i]] > 0.0;
-    s->h = 1e9;
+    s->h = RW_INERTIAL ? 0.01 : 1e9;
     rw_place_loads(m);
     rw_start_place(m);
 }

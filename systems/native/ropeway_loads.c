@@ -19,7 +19,7 @@ void rw_gaps(const rw_instance *m, int k, double *ahead, double *behind)
 int rw_next_crossing(const rw_instance *m, rw_crossing *found)
 {
     found->time = INFINITY;
-    for (int k = 0; k < RW_NK; k++) {
+    for (int k = 0; k < RW_NK && !RW_INERTIAL; k++) {
         double ahead, behind, rate = rw_travel_rate(m, k), time;
         if (rw_load_count(rw_run_of[k]) == 0 || fabs(rate) <= 1e-12) continue;
         rw_gaps(m, k, &ahead, &behind);
@@ -120,13 +120,6 @@ static rw_status beside(rw_instance *m, int k, int load, prevailing *s)
     return status;
 }
 
-/* Logs that a load has crossed a support, or is held there. */
-void rw_tell_crossing(rw_instance *m, double time, const rw_crossing *crossing, int held)
-{
-    rw_message(m, RW_OK, "logEvents", "t = %.9f s: load %d %s %s", time, crossing->load + 1,
-               held ? "held at" : crossing->forward ? "crosses forward" : "crosses backward", rw_support_name[crossing->k]);
-}
-
 /* Moves the load across the support, or leaves it there. The line is not solved. */
 rw_status rw_put_across(rw_instance *m, const rw_crossing *crossing)
 {
@@ -158,6 +151,7 @@ rw_status rw_put_across(rw_instance *m, const rw_crossing *crossing)
  * put on or taken off there (`just`, by support). */
 static rw_status overrun(rw_instance *m, unsigned char *just)
 {
+    if (RW_INERTIAL) return rw_require_spans(m);
     for (int pass = 0; pass < 50; pass++) {
         int moved = 0;
         rw_status status = rw_solve(m);

@@ -20,7 +20,7 @@ void rw_place_loads(rw_instance *m)
 void rw_take_state(rw_instance *m, const rw_state *state)
 {
     memcpy(&m->s, state, RW_STATE_SIZE);
-    if (RW_SECTIONS) m->s.lu.valid = 0;
+    if (RW_SECTIONS || RW_INERTIAL) m->s.lu.valid = 0;
     rw_place_loads(m);
 }
 
@@ -85,6 +85,13 @@ int rw_is_last(int k)
 int rw_is_held(const rw_instance *m, int k)
 {
     return rw_held[k] >= 0 && m->s.d[rw_held[k]] > 0.0;
+}
+
+/* Logs that a load has crossed a support, or is held there. */
+void rw_tell_crossing(rw_instance *m, double time, const rw_crossing *crossing, int held)
+{
+    rw_message(m, RW_OK, "logEvents", "t = %.9f s: load %d %s %s", time, crossing->load + 1,
+               held ? "held at" : crossing->forward ? "crosses forward" : "crosses backward", rw_support_name[crossing->k]);
 }
 
 /* Puts the loads into the slots of their spans. */

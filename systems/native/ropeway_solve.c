@@ -176,6 +176,7 @@ rw_status rw_solve_here(rw_instance *m)
     rw_status status;
     m->s.lu.exact = 0;
     if (RW_SECTIONS) return rw_solve_line(m);
+    if (RW_INERTIAL && rw_core_solve(m)) return RW_OK;
     rw_inputs_at(m, q->t, m->us);
     status = rw_newton(m, q->t, q->x, q->z, m->us, q->x, 0.0);
     if (status != RW_OK) return status;

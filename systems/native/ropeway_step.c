@@ -168,11 +168,12 @@ static rw_status advance(rw_instance *m, double end)
         rw_crossing coming;
         int some = rw_next_crossing(m, &coming), moved = 0;
         rw_changes before;
-        int crosses = some && coming.gap <= RW_NEAR * rw_span_scale[rw_run_of[coming.k]];
+        rw_threshold due[RW_NTH];
+        int crosses = RW_INERTIAL ? rw_zones_due(m, due) > 0 : some && coming.gap <= RW_NEAR * rw_span_scale[rw_run_of[coming.k]];
         if (crosses || tick_due(m)) m->event = 1;
         if (m->event && m->stops_at_events && t > begin) return rw_limits(m); /* the importer handles it */
         if (crosses) {
-            status = after_event(m, rw_cross(m, &coming));
+            status = RW_INERTIAL ? rw_pass_zones(m) : after_event(m, rw_cross(m, &coming));
             continue;
         }
         if (tick_due(m)) {
@@ -183,18 +184,19 @@ static rw_status advance(rw_instance *m, double end)
             m->s.now.t = end;
             return rw_limits(m);
         }
-        if (RW_COUPLED) h = fmin(h, m->s.h);
+        if (RW_COUPLED && !RW_INERTIAL) h = fmin(h, m->s.h);
         if (RW_NL) h = fmin(h, next_limit_check(m));
         memcpy(before.passed, m->s.passed, sizeof before.passed);
         memcpy(before.broken, m->s.broken, sizeof before.broken);
         before.place = m->s.place;
         if (RW_SECTIONS && !rw_standing(m)) status = rw_move_along(m, h, stop, &moved);
-        if (status == RW_OK && !moved) {
+        if (RW_INERTIAL) status = rw_move_with_inertia(m, h, stop);
+        else if (status == RW_OK && !moved) {
             if (some) h = fmin(h, coming.time);
             if (rw_standing(m)) h = fmin(h, STANDING_STEP);
             status = step_to_event(m, h, stop);
         }
-        if (status == RW_OK) status = rw_overrun_moving(m);
+        if (status == RW_OK && !RW_INERTIAL) status = rw_overrun_moving(m);
         if (status == RW_OK && RW_NL) status = rw_limits(m);
         note_changes(m, &before);
     }
@@ -213,6 +215,7 @@ rw_status rw_do_step(rw_instance *m, double end)
     rw_status status;
     memcpy(&m->backup, &m->s, RW_STATE_SIZE);
     m->event = 0;
+    if (RW_NF) m->s.solved = m->s.rated = m->s.shown = 0; /* the rates of inputs may have changed */
     status = advance(m, end);
     if (status > RW_WARNING) {
         rw_take_state(m, &m->backup);
@@ -254,6 +257,10 @@ rw_status rw_event_indicators(rw_instance *m, double *indicator)
             indicator[k] = (RW_FORCE_NEAR - force) / RW_FORCE_SCALE;
             continue;
         }
+        if (RW_INERTIAL) {
+            indicator[k] = rw_zone_gap(m, k);
+            continue;
+        }
         rw_gaps(m, k, &ahead, &behind);
         gap = fmin(ahead, behind) / rw_span_scale[rw_run_of[k]] + RW_NEAR;
         indicator[k] = rw_travel[k] < 0 || !isfinite(gap) ? 1.0 : gap;
@@ -273,7 +280,7 @@ rw_status rw_event_update(rw_instance *m)
     double ahead;
     rw_status status = rw_rates(m);
     if (status == RW_OK) rw_hold(m);
-    if (status == RW_OK) status = rw_cross(m, NULL);
+    if (status == RW_OK) status = RW_INERTIAL ? rw_pass_zones(m) : rw_cross(m, NULL);
     if (status == RW_OK && tick_due(m)) status = after_event(m, tick(m));
     if (status == RW_OK && rw_standing(m)) {
         status = rw_release(m, &leaving, &ahead);

@@ -111,9 +111,10 @@ static int advance(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs
     if (m->epoch + 2 > m->epochs || m->responses + (c->clocks ? c->first[c->clocks] : 0) > 4 * m->most) return RS_FULL;
     if (at.time > m->time) {
         m->crossed = -INFINITY;
-        if ((code = rs_window(l, q, m, s, whole ? at.time : m->time + most))) return code;
+        if ((code = rs_drive_window(l, q, m, s, whole ? at.time : m->time + most))) return code;
         whole = whole && m->begin + m->h >= at.time;
-        if ((code = rs_move(l, q, m, whole ? at.time : m->begin + m->h, tied ? s : 0))) return code;
+        code = rs_move(l, q, m, whole ? at.time : m->begin + m->h, tied ? s : 0);
+        if (code) return code == RS_PASSED ? RS_REACHED : code; /* another window from here */
         if (tied && rs_coupled(l, q, m, s, 0, 0)) return RS_COUPLED;
         if (!holds(l, q, m)) return RS_SLACK;
         rs_note_stop(l, q, m);
@@ -121,8 +122,7 @@ static int advance(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs
     return whole ? arrive(l, q, m, a, s, c, &at) : RS_REACHED;
 }
 
-/* Through the stops of the grid, as far as records have room. */
-int rs_run(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs_drives *s, rs_clocks *c)
+static int run(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs_drives *s, rs_clocks *c)
 {
     double longest = INFINITY, most;
     for (int i = 0; i < s->drives; i++)
@@ -141,19 +141,32 @@ int rs_run(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs_drives 
         keep(l, q, m, a, 0);
         int code = advance(l, q, m, a, s, c, isfinite(longest), most);
         if (code == RS_REACHED) {
+            memset(s->limited, 0, s->drives * sizeof(int));
             most = 2.0 * most < longest ? 2.0 * most : longest;
             continue;
         }
         double tried = m->h < most ? m->h : most;
+        int limits = code == RS_COUPLED && rs_note_limits(l, q, m, s); /* the same window again, with the ropes */
         keep(l, q, m, a, 1);
         m->curved = 0;
         memset(m->touched, 0, l->sections * sizeof(int));
         memcpy(c->ticks, m->epoch_ticks + before.epoch * c->clocks, c->clocks * sizeof(long long));
         m->time = before.time, m->crossed = before.crossed, m->epoch = before.epoch, a->bent = before.bent;
         m->records = before.records, m->events = before.events, m->responses = before.responses;
+        if (limits) continue;
         if (!(code == RS_UNFORESEEN || code == RS_FAILED || (code == RS_FULL && m->records == 0))) return code;
         if (tried < LEAST_STEP) return code;
         most = 0.5 * tried;
     }
     return RS_REACHED;
+}
+
+/* Through the stops of the grid, as far as records have room. */
+int rs_run(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs_drives *s, rs_clocks *c)
+{
+    s->last = INFINITY;
+    memset(s->limited, 0, s->drives * sizeof(int));
+    int code = run(l, q, m, a, s, c);
+    memset(s->limited, 0, s->drives * sizeof(int));
+    return code;
 }

@@ -9,7 +9,7 @@ from ropeway.systems.native.c_library import core_library
 
 FILES = (
     *("sections.h", "clocks.h", "drives.h", "moving.h"),
-    *("sections.c", "crossings.c", "moving.c", "drives.c", "clocks.c", "running.c", "rows.c"),
+    *("sections.c", "crossings.c", "moving.c", "drives.c", "windows.c", "clocks.c", "running.c", "rows.c"),
 )
 
 LINE_SIZES = ("spans", "supports", "sections", "slots", "nx", "nz", "nu", "np", "ns", "runs")
@@ -117,7 +117,9 @@ class DriveTables(ctypes.Structure):
     _fields_ = _fields(
         (ctypes.c_int, "drives most"),
         (ctypes.c_void_p, "form x u p d port_first port_span port_end states inputs parameters discrete ports tied"),
-        (ctypes.c_void_p, "kernels nominal nodes weights derivative window rates work"),
+        (ctypes.c_void_p, "kernels nominal nodes weights derivative window rates limited"),
+        (ctypes.c_double, "last"),
+        (ctypes.c_void_p, "work"),
     )
 
 

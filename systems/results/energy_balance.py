@@ -143,7 +143,8 @@ def _load_speed(result: RunData, r: int) -> np.ndarray:
 def _mass_passed(result: RunData, r: int, k: int) -> np.ndarray:
     """Mass of the loads that pass support k in each interval."""
     loads = result.runs[r].loads
-    passed = np.array([record.passed[r][k] - loads.first for record in result.records])
+    first = sum(len(run.nodes) for run in result.runs[:r])
+    passed = result.records.rows(np.arange(len(result.records))).passed[:, first + k] - loads.first
     return np.diff(np.concatenate([[0.0], np.cumsum(loads.mass)])[passed])
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -15,7 +15,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import CompilerError, EquilibriumError, SimulationError, WriteError
 from ropeway.components.table_writer import Tabular
 from ropeway.systems.interrupts import interruptible
-from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.results import line_clearance
 from ropeway.systems.results.column_labels import Labels
@@ -27,8 +27,9 @@ from ropeway.systems.solvers.state_rows import StateRows
 from ropeway.systems.statics.certificate.certify import certify_records, certify_rows
 from ropeway.systems.statics.certificate.checks import Certificate
 from ropeway.systems.statics.equilibrium import Equilibrium
-from ropeway.systems.statics.line_records import AnyRecord, restored, restored_rows
+from ropeway.systems.statics.line_records import restored
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.record_blocks import RecordRows, Records, restored_rows
 
 _SLACK = "slack rope"
 _BATCH = 192
@@ -56,7 +57,7 @@ class RunData(Tabular):
     model: Model
     runs: tuple[Run, ...]
     parameters: np.ndarray
-    records: tuple[AnyRecord, ...]
+    records: Records
     on_grid: np.ndarray
     exact: np.ndarray
     noted: tuple[Event, ...]
@@ -66,7 +67,7 @@ class RunData(Tabular):
     @property
     def times(self) -> np.ndarray:
         """Times of all records [s]. An event has two records at the same time."""
-        return np.array([r.time for r in self.records])
+        return self.records.times
 
     @cached_property
     @interruptible
@@ -130,7 +131,7 @@ class RunData(Tabular):
         """The solved states of records `which`, in batches."""
         for first in range(0, len(which), _BATCH):
             part = which[first : first + _BATCH]
-            records = [self.records[i] for i in part.tolist()]
+            records = self.records.rows(part)
             rows = restored_rows(self.model, self.runs, self.parameters, records, compiled=self._in_core)
             left = np.flatnonzero(~self.exact[part])
             if self._in_core:
@@ -193,21 +194,21 @@ class RunData(Tabular):
         y, z = self._solved
         table, shown = _Table(self.model, len(self.records)), np.array(self.model.y.shown, dtype=int)
         table.outputs[:] = y[:, shown]
-        return table.frame(self.records, z)
+        return table.frame(self.records.rows(np.arange(len(self.records))), z)
 
     @cached_property
     @interruptible
     def frame(self) -> pd.DataFrame:
         """Outputs, travels and inputs over time [s], one row per interval; units in `attrs["units"]`."""
         which, shown = np.flatnonzero(self.on_grid), np.array(self.model.y.shown, dtype=int)
-        table, records = _Table(self.model, len(which)), [self.records[i] for i in which.tolist()]
+        table = _Table(self.model, len(which))
         if "_solved" in self.__dict__:
             y, z = (values[which] for values in self._solved)
             table.outputs[:] = y[:, shown]
         else:
             z = np.empty((len(which), len(self.model.z)))
             self._evaluate(which, shown, table.outputs, z)
-        return table.frame(records, z)
+        return table.frame(self.records.rows(which), z)
 
     @cached_property
     @interruptible
@@ -224,7 +225,7 @@ class RunData(Tabular):
         if name in m.z.index:
             return self.algebraic[:, m.z.index[name]]
         if name in m.x.index:
-            return np.array([record.x[m.x.index[name]] for record in self.records])
+            return self.records.rows(np.arange(len(self.records))).x[:, m.x.index[name]]
         return np.full(len(self.records), self.parameters[m.p.index[name]])
 
     @cached_property
@@ -315,31 +316,42 @@ class RunData(Tabular):
         return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held, pending)
 
 
+class _Columns(NamedTuple):
+    """Columns of a frame: places of the algebraic variables that it shows, names, units and descriptions of all."""
+
+    algebraic: np.ndarray
+    names: pd.Index
+    units: Labels
+    descriptions: Labels
+
+
+@kept_with_model
+def _columns(model: Model) -> _Columns:
+    moves = [i for i in model.z.shown if ".force_" not in model.z.names[i]]
+    tables = [(model.y, model.y.shown), (model.z, moves), (model.x, model.x.shown), (model.u, range(len(model.u)))]
+    found = [(table.names[i], table.units[i], table.descriptions[i]) for table, chosen in tables for i in chosen]
+    units, descriptions = (Labels({own[0]: own[k] for own in found}) for k in (1, 2))
+    return _Columns(np.array(moves, dtype=int), pd.Index([own[0] for own in found]), units, descriptions)
+
+
 class _Table:
     """A frame of records; `outputs` (records, outputs) is the part of its values that the outputs that are shown
     take."""
 
     def __init__(self, model: Model, count: int) -> None:
-        self._model = model
-        self._moves = [i for i in model.z.shown if ".force_" not in model.z.names[i]]
-        tables = [(model.y, model.y.shown), (model.z, self._moves), (model.x, model.x.shown)]
-        self._columns = [(table, i) for table, chosen in (*tables, (model.u, range(len(model.u)))) for i in chosen]
-        self._values = np.empty((count, len(self._columns)))
+        self._model, self._columns = model, _columns(model)
+        self._values = np.empty((count, len(self._columns.names)))
         self.outputs = self._values[:, : len(model.y.shown)]
 
-    def frame(self, records: Sequence[AnyRecord], z: np.ndarray) -> pd.DataFrame:
+    def frame(self, records: RecordRows, z: np.ndarray) -> pd.DataFrame:
         """The frame, with the algebraic variables `z` (records, nz) and the records' states and inputs."""
-        states, first = list(self._model.x.shown), self.outputs.shape[1]
-        for rows, chosen in ((z, self._moves), ([r.x for r in records], states), ([r.u for r in records], None)):
-            block = np.array(rows, dtype=float).reshape(len(records), -1)
-            block = block if chosen is None else block[:, chosen]
+        columns, first = self._columns, self.outputs.shape[1]
+        for block in (z[:, columns.algebraic], records.x[:, list(self._model.x.shown)], records.u):
             self._values[:, first : first + block.shape[1]] = block
             first += block.shape[1]
-        names = [table.names[i] for table, i in self._columns]
-        index = pd.Index([r.time for r in records], name="time")
-        frame = pd.DataFrame(self._values, index=index, columns=names, copy=False)
-        frame.attrs["units"] = Labels({table.names[i]: table.units[i] for table, i in self._columns})
-        frame.attrs["descriptions"] = Labels({table.names[i]: table.descriptions[i] for table, i in self._columns})
+        index = pd.Index(records.time, name="time")
+        frame = pd.DataFrame(self._values, index=index, columns=columns.names.view(), copy=False)
+        frame.attrs["units"], frame.attrs["descriptions"] = columns.units, columns.descriptions
         return frame
 
 

@@ -68,7 +68,8 @@ class CompiledDrives:
         """The tables, with arrays for one run."""
         line = compiled_line(self._model)
         empty = np.zeros((len(NODES), len(self._model.x)))
-        arrays = {**self._arrays, "window": empty, "rates": empty.copy()}
+        none = np.zeros(self._drives, dtype=np.int32)
+        arrays = {**self._arrays, "window": empty, "rates": empty.copy(), "limited": none}
         found = Filled(DriveTables(drives=self._drives, most=self.most), arrays)
         size = line.core.rs_drives_size(ctypes.byref(line.tables), found.address)
         return Filled(found.tables, {**arrays, "work": np.zeros(int(size))})

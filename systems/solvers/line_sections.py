@@ -15,12 +15,13 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ropeway.components.compliance import solved
 from ropeway.components.component import Component, Seat
 from ropeway.components.node import Node
 from ropeway.components.span import Span
 from ropeway.components.variable import Kind, Site
 from ropeway.components.weather import SHARED, Weather
-from ropeway.systems.modelling.component_functions import closure_function, component_function
+from ropeway.systems.modelling.component_functions import component_function, force_function
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.model_tables import shared_places
 from ropeway.systems.modelling.rope_path import drive_speeds
@@ -287,26 +288,18 @@ def _span_kernel(form: SpanForm, slots: int) -> ca.Function:
     if not ca.is_equal(ca.simplify(going), force, 2):
         raise UnfitError(f"the force of {form.first.name!r} at its start is not its tension vector")
     if type(form.first) is Span:
-        moves = closure_function(form.first, variables, weather=form.weather)
-        matrix = _called(form.first, moves, shared, given, ends)[1]
+        moves = force_function(form.first, variables, weather=form.weather)
+        found = ca.horzsplit(_called(form.first, moves, shared, given, ends)[1])
     else:
-        matrix = ca.jacobian(closure, unknowns)
+        matrix = ca.vertsplit(ca.jacobian(closure, unknowns))
+        sides = [-closure, *(ca.vertcat(*(-row[i] for row in matrix)) for i in (3, 4))]
+        found = [ca.vertcat(*move) for move in solved(matrix, sides)]
     pull = ca.jacobian(coming, unknowns)
-    found = _solved(matrix[:, :3], [-closure, -matrix[:, 3], -matrix[:, 4]])
     coming_moves = [ca.mtimes(pull[:, :3], move) for move in found]
     coming_moves[1] += pull[:, 3]
     coming_moves[2] += pull[:, 4]
     result = ca.vertcat(*ca.cse([closure, coming, *found, *coming_moves]))
     return ca.Function(f"span_{slots}", [vector], [ca.densify(result)])
-
-
-def _solved(matrix: Any, sides: list[Any]) -> list[Any]:
-    """Solutions of a system of three equations by Cramer's rule."""
-    one, two, three = (matrix[:, i] for i in range(3))
-    cofactors = (ca.cross(two, three), ca.cross(three, one), ca.cross(one, two))
-    inverse = 1.0 / ca.dot(one, cofactors[0])
-    rows = [row * inverse for row in cofactors]
-    return [ca.vertcat(*(ca.dot(row, side) for row in rows)) for side in sides]
 
 
 @dataclass(frozen=True)

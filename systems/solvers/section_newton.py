@@ -7,9 +7,10 @@ equations of the whole line with their Jacobian.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 
+import casadi as ca
 import numpy as np
 from scipy.linalg.lapack import dgtsv
 
@@ -29,6 +30,10 @@ from ropeway.systems.solvers.points import Point
 
 _SPANS = 16
 """Spans from which this is faster than Newton's method on the equations as a whole."""
+_Kernel = Callable[[np.ndarray], np.ndarray]
+"""A function of what many spans or supports read, which gives their results (results, components)."""
+_Group = tuple[np.ndarray, _Kernel, np.ndarray]
+"""Spans or supports of a form, their kernel, and the places of its inputs."""
 
 
 class SectionNewton:
@@ -36,40 +41,32 @@ class SectionNewton:
 
     def __init__(self, sections: LineSections, used: np.ndarray) -> None:
         self._sections, m = sections, sections.model
-        self._sizes = np.array([len(vector) for vector in (m.x, m.z, m.u, m.p, m.d)])
-        places = _Places(sections, self._sizes)
+        places = _Places(sections, np.array([len(vector) for vector in (m.x, m.z, m.u, m.p, m.d)]))
         self._z = slice(len(m.x), len(m.x) + len(m.z))
-        self._room = int(self._sizes.sum()) + 1
-        pairs = sorted({*zip(sections.form.tolist(), used.tolist(), strict=True)})
-        self._spans = []
-        for form, slots in pairs:
-            which = np.flatnonzero((sections.form == form) & (used == slots))
-            inputs = places.of_spans(which, sections.forms[form], slots)
-            self._spans.append((which, _of_spans(sections.forms[form], slots, len(which)), inputs))
-        self._supports = []
-        for number, support_form in enumerate(sections.support_forms):
-            which = np.flatnonzero((sections.balance >= 0) & (sections.support_form == number))
-            inputs = places.of_supports(which, support_form, self._room)
-            self._supports.append((which, _of_supports(support_form, len(which)), inputs))
-        self._free, starts = np.flatnonzero(sections.travel >= 0), sections.start
+        self._room, self._size = places.pulls, places.pulls + 3 * len(sections.form)
+        self._spans = list(_span_groups(sections, used, places))
+        self._supports = list(_support_groups(sections, places))
+        self._free = np.concatenate([np.zeros(0, dtype=int), *(which for which, _, _ in self._supports)])
+        starts = sections.start
         self._coming = np.maximum(np.searchsorted(starts, self._free) - 1, 0)
         self._going = np.minimum(np.searchsorted(starts, self._free), len(starts) - 1)
-        self._closure, self._force = (first[:, None] + np.arange(3) for first in (sections.closure, sections.force))
+        self._closure, self._force = (first + np.arange(3)[:, None] for first in (sections.closure, sections.force))
+        self._balance, self._travel, self._end = sections.balance[self._free], sections.travel[self._free], starts + 1
 
     def solve(self, point: Point) -> None:
         """Solves in place. Raises EquilibriumError; the point is unchanged then."""
         m = self._sections.model
-        every = np.zeros(self._room + SPAN_RESULTS * len(self._sections.form))
-        np.concatenate(point.vectors, out=every[: self._room - 1])
+        every = np.empty(self._size)
+        np.concatenate((*point.vectors, (0.0,)), out=every[: self._room])
         inputs = [np.empty(places.shape) for _, _, places in (*self._spans, *self._supports)]
         scale, weight = m.z.nominals, 1.0 / m.r.nominals
 
         def residual(v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             np.multiply(v, scale, out=every[self._z])
             spans, supports = self._kernels(every, inputs)
-            found = np.empty(len(m.r))
-            found[self._closure] = spans[:, :3]
-            found[self._sections.balance[self._free]] = supports[self._free, 0]
+            found = np.empty(len(weight))
+            found[self._closure] = spans[:3]
+            found[self._balance] = supports[0]
             found *= weight
             return found, spans, supports
 
@@ -77,49 +74,72 @@ class SectionNewton:
             found, spans, supports = residual(v)
             return found, -self._move(spans, supports) / scale
 
-        v, _ = damped(point.z / scale, step, lambda v: residual(v)[0], m.r.names)
+        with np.errstate(all="ignore"):  # what is not a number is no root
+            v, _ = damped(point.z / scale, step, lambda v: residual(v)[0], m.r.names)
         point.z[:] = v * scale
 
     def _kernels(self, every: np.ndarray, inputs: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Results of the kernels of all spans and supports, for all vectors with room for the former behind them;
-        `inputs`: room for what the kernels read."""
-        spans = every[self._room :].reshape(-1, SPAN_RESULTS)
-        supports = np.zeros((len(self._sections.travel), SUPPORT_RESULTS))
-        kernels = [(spans, *group) for group in self._spans] + [(supports, *group) for group in self._supports]
-        for (results, which, function, places), read in zip(kernels, inputs, strict=True):
+        """Results of the kernels of all spans and of the free supports, (results, components), for all vectors with
+        room for the pulls of the former behind them; `inputs`: room for what the kernels read."""
+        spans = np.empty((SPAN_RESULTS, len(self._sections.form)))
+        for (which, kernel, places), read in zip(self._spans, inputs, strict=False):
             every.take(places, out=read, mode="clip")
-            results[which] = function(read)[0].reshape(-1, results.shape[1])
-        return spans, supports
+            if len(self._spans) == 1:
+                spans = kernel(read)
+            else:
+                spans[:, which] = kernel(read)
+        every[self._room :] = spans[3:6].ravel()
+        supports = [np.zeros((SUPPORT_RESULTS, 0))]
+        for (_, kernel, places), read in zip(self._supports, inputs[len(self._spans) :], strict=True):
+            every.take(places, out=read, mode="clip")
+            supports.append(kernel(read))
+        return spans, supports[-1] if len(supports) == 2 else np.concatenate(supports, axis=1)
 
     def _move(self, spans: np.ndarray, supports: np.ndarray) -> np.ndarray:
         """The step of Newton's method (nz,). Raises RuntimeError where the equations are singular."""
-        s, free = self._sections, self._free
-        own, count = supports[free], len(s.travel)
+        free, count = self._free, len(self._sections.travel)
         # By closure, by the travel at end a and at end b: how the forces move that pull at the supports.
-        coming = (spans[self._coming, 15:].reshape(-1, 3, 3) @ own[:, 2:5, None])[:, :, 0]
-        going = (spans[self._going, 6:15].reshape(-1, 3, 3) @ own[:, 5:8, None])[:, :, 0]
+        coming = np.add.reduce(spans[15:].reshape(3, 3, -1).take(self._coming, axis=2) * supports[2:5], axis=1)
+        going = np.add.reduce(spans[6:15].reshape(3, 3, -1).take(self._going, axis=2) * supports[5:8], axis=1)
         lower, diagonal, upper, right = np.zeros(count), np.ones(count), np.zeros(count), np.zeros(count)
-        lower[free], upper[free] = coming[:, 1], going[:, 2]
-        diagonal[free] = own[:, 1] + coming[:, 2] + going[:, 1]
-        right[free] = -(own[:, 0] + coming[:, 0] + going[:, 0])
+        lower[free], upper[free] = coming[1], going[2]
+        diagonal[free] = supports[1] + coming[2] + going[1]
+        right[free] = -(supports[0] + coming[0] + going[0])
         *_, travel, failed = dgtsv(lower[1:], diagonal, upper[:-1], right)
         if failed:
             raise RuntimeError("singular")
         move = np.empty(self._z.stop - self._z.start)
-        a, b = travel[s.start, None], travel[s.start + 1, None]
-        move[self._force] = spans[:, 6:9] + spans[:, 9:12] * a + spans[:, 12:15] * b
-        move[s.travel[free]] = travel[free]
+        at_a, at_b = travel.take(self._sections.start), travel.take(self._end)
+        move[self._force] = spans[6:9] + spans[9:12] * at_a + spans[12:15] * at_b
+        move[self._travel] = travel.take(free)
         return move
 
 
+def _span_groups(sections: LineSections, used: np.ndarray, places: _Places) -> Iterator[_Group]:
+    """The spans by their form and the number of their loads."""
+    for number, slots in sorted({*zip(sections.form.tolist(), used.tolist(), strict=True)}):
+        which = np.flatnonzero((sections.form == number) & (used == slots))
+        form = sections.forms[number]
+        yield which, _of_spans(form, slots, len(which)), places.of_spans(which, form, slots)
+
+
+def _support_groups(sections: LineSections, places: _Places) -> Iterator[_Group]:
+    """The supports whose travel is an unknown, by their form."""
+    for number, form in enumerate(sections.support_forms):
+        which = np.flatnonzero((sections.balance >= 0) & (sections.support_form == number))
+        if len(which):
+            yield which, _of_supports(form, len(which)), places.of_supports(which, form)
+
+
 class _Places:
-    """Where kernels find their inputs: in all vectors of a point one after the other, a zero, and the results of the
-    spans' kernels."""
+    """Where kernels find their inputs: in all vectors of a point one after the other, a zero, and the `pulls` of the
+    spans at their ends b, (3, spans)."""
 
     def __init__(self, sections: LineSections, sizes: np.ndarray) -> None:
         self._s = sections
         self._x, self._z, self._u, self._p, self._d = np.concatenate([[0], np.cumsum(sizes)[:-1]]).tolist()
         self._zero, parameters = int(sizes.sum()), sizes[3]
+        self.pulls = self._zero + 1
         in_p = sections.shared < parameters
         self._shared = np.where(in_p, self._p + sections.shared, self._u + sections.shared - parameters)
         state, free = sections.state >= 0, sections.travel >= 0
@@ -139,8 +159,8 @@ class _Places:
             columns += [*(self._p + s.point[end, axis] for axis in range(3)), self._travel[end]]
         return np.array(columns).T.copy()
 
-    def of_supports(self, which: np.ndarray, form: SupportForm, room: int) -> np.ndarray:
-        """Of supports of a form, (supports, inputs); `room`: where the results of the spans begin."""
+    def of_supports(self, which: np.ndarray, form: SupportForm) -> np.ndarray:
+        """Of supports of a form, (supports, inputs)."""
         s = self._s
         coming = np.maximum(np.searchsorted(s.start, which) - 1, 0)
         going = np.minimum(np.searchsorted(s.start, which), len(s.start) - 1)
@@ -150,7 +170,7 @@ class _Places:
             *(self._p + s.support_parameters[which] + i for i in range(form.parameters)),
             *(self._d + s.support_discrete[which] + i for i in range(form.discrete)),
             self._travel[which],
-            *(room + SPAN_RESULTS * coming + 3 + i for i in range(3)),
+            *(self.pulls + len(s.form) * i + coming for i in range(3)),
             *(self._z + s.force[going] + i for i in range(3)),
             np.where(s.speed[which] < 0, self._zero, speed),
         ]
@@ -160,33 +180,38 @@ class _Places:
         return [np.full(len(which), place) for place in self._shared.tolist()]
 
 
-@lru_cache(maxsize=256)
-def _of_spans(form: SpanForm, slots: int, count: int) -> Buffered:
-    return Buffered(form.kernel(slots).map(count))
+def _each(kernel: ca.Function, count: int, results: int) -> _Kernel:
+    """A kernel for so many components at once, one after the other."""
+    function = Buffered(kernel.map(count))
+    return lambda read: function(read)[0].reshape(count, results).T
 
 
 @lru_cache(maxsize=256)
-def _of_supports(form: SupportForm, count: int) -> Buffered:
-    return Buffered(form.kernel.map(max(count, 1)))
+def _of_spans(form: SpanForm, slots: int, count: int) -> _Kernel:
+    return _each(form.kernel(slots), count, SPAN_RESULTS)
+
+
+@lru_cache(maxsize=256)
+def _of_supports(form: SupportForm, count: int) -> _Kernel:
+    return _each(form.kernel, count, SUPPORT_RESULTS)
 
 
 @kept_with_model
-def _solvers(model: Model) -> dict[bytes, SectionNewton]:
-    """The solvers of a model by the loads in its spans."""
-    return {}
+def _solver_of(model: Model) -> Callable[[bytes], SectionNewton | None]:
+    """Gives the solver of a model for the loads in its spans, None where it is not solved by sections; it remembers the
+    last few."""
+    sections = line_sections(model) if sum(len(run.spans) for run in model.runs) >= _SPANS else ""
+    if isinstance(sections, str):
+        return lambda used: None
+    return lru_cache(maxsize=8)(lambda used: SectionNewton(sections, np.frombuffer(used, dtype=int)))
 
 
 def solve_line(model: Model, point: Point, passed: Sequence[np.ndarray]) -> None:
     """Solves a point of a model in place, by sections where that is faster; `passed`: for each run the loads that have
     passed each support. Raises EquilibriumError; the point is unchanged then."""
-    sections = line_sections(model) if sum(len(run.spans) for run in model.runs) >= _SPANS else ""
-    if isinstance(sections, str):
+    used = [np.zeros(0, dtype=int), *(beyond[:-1] - beyond[1:] for beyond in passed)]
+    solver = _solver_of(model)(np.concatenate(used).tobytes())
+    if solver is None:
         newton_of(model).solve(point)
-        return
-    used, known = sections.used(passed), _solvers(model)
-    key = used.tobytes()
-    if key not in known:
-        while len(known) >= 8:
-            known.pop(next(iter(known)), None)
-        known[key] = SectionNewton(sections, used)
-    known[key].solve(point)
+    else:
+        solver.solve(point)

@@ -3,9 +3,11 @@ model does not have."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,6 +33,16 @@ SPAN = (
 ENDS = ("travel", "x", "y", "z", "rope", "aside_x", "aside_z")
 
 
+class FilledSlots(NamedTuple):
+    """Which loads are in which slots, as many as the fullest span needs: of each run its spans and the numbers of their
+    loads (records, slots, spans), 0 in empty slots; of all spans `there`, the slots with a load, and `lost`: whether a
+    span has more loads than slots (records, spans)."""
+
+    runs: tuple[tuple[slice, np.ndarray], ...]
+    there: np.ndarray
+    lost: np.ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class SpanPlaces:
     """Places of all spans, run after run. `read` (22, spans): of `SPAN`, and of `ENDS` at both ends; `slots`
@@ -44,6 +56,29 @@ class SpanPlaces:
     runs: tuple[int, ...]
     gravity: int
     shoes: bool
+
+    def slots_of(self, passed: Sequence[np.ndarray]) -> FilledSlots:
+        """The slots for the loads beyond each support (records, supports) of each run; those of one state are
+        remembered, as the loads stay in their spans in most solves."""
+        if passed and len(passed[0]) == 1:
+            return self._slots_of_one(tuple(beyond.astype(int).tobytes() for beyond in passed))
+        return self._slots(passed)
+
+    @cached_property
+    def _slots_of_one(self) -> Callable[[tuple[bytes, ...]], FilledSlots]:
+        return lru_cache(maxsize=8)(
+            lambda passed: self._slots([np.frombuffer(beyond, dtype=int)[None] for beyond in passed])
+        )
+
+    def _slots(self, passed: Sequence[np.ndarray]) -> FilledSlots:
+        counts = [beyond[:, :-1] - beyond[:, 1:] for beyond in passed]
+        every = np.concatenate(counts, axis=1) if counts else np.zeros((1, 0), dtype=int)
+        slot = np.arange(int(every.max(initial=0)))[:, None]
+        there, runs = np.less(slot, every[:, None]), list[tuple[slice, np.ndarray]]()
+        for r, beyond in enumerate(passed):
+            own = slice(self.runs[r], self.runs[r + 1])
+            runs.append((own, (beyond[:, None, :-1] - 1 - slot) * there[:, :, own]))
+        return FilledSlots(tuple(runs), there, every > self.slot_counts)
 
 
 @dataclass(frozen=True, eq=False)

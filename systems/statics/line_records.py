@@ -11,9 +11,7 @@ import numpy as np
 
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.rope_path import Run
-from ropeway.systems.solvers.compiled_rows import write_slots
 from ropeway.systems.solvers.points import Point
-from ropeway.systems.solvers.state_rows import StateRows
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.pending_events import Pending
 
@@ -152,24 +150,3 @@ def restored(model: Model, runs: Sequence[Run], p: np.ndarray, record: AnyRecord
     state = LineState(model, Point(record.x.copy(), record.z.copy(), record.u.copy(), p, d, record.time), runs, passed)
     state.write_slots()
     return state
-
-
-def restored_rows(
-    model: Model, runs: Sequence[Run], p: np.ndarray, records: Sequence[AnyRecord], *, compiled: bool = False
-) -> StateRows:
-    """The states of many records, as `restored` makes them one by one; none may have more loads in a span than the
-    model has slots. compiled: in compiled code."""
-    ends = np.cumsum([len(model.x), len(model.z), len(model.u), len(model.p), len(model.d)])
-    values = np.empty((len(records), int(ends[-1]) + 1))
-    x, z, u, parameters, d, _ = np.split(values, ends, axis=1)
-    x[:], z[:], u[:] = ([getattr(record, name) for record in records] for name in "xzu")
-    counts = [record.passed for record in records]
-    parameters[:], values[:, -1], d[:] = p, 0.0, model.d.values
-    d[:, model.kept] = [record.kept for record in records]
-    passed = [np.array([beyond[r] for beyond in counts]) - run.loads.first for r, run in enumerate(runs)]
-    if compiled:
-        write_slots(model, runs, p, d, passed)
-    else:
-        for run, layout, beyond in zip(runs, model.layouts, passed, strict=True):
-            layout.slots.write(d, run, beyond, layout.start(p))
-    return StateRows(model, values, np.array([record.time for record in records]), passed)

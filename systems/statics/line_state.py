@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ropeway.components.catenary import Strain, Uniform, Weight
+from ropeway.components.check import Range
 from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
 from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind
@@ -41,7 +42,9 @@ class LineState:
         self.point = point
         self.runs = list(runs)
         self.passed = [p.copy() for p in passed]
-        self.span_scale = [float(np.mean(self.point.p[layout.length_start])) for layout in model.layouts]
+        self.span_scale = [
+            float(point.p[layout.length_start].sum()) / len(layout.length_start) for layout in model.layouts
+        ]
         """Mean span length of each run [m]."""
         self.resting: dict[tuple[int, int], tuple[int, float]] = {}
         """For the end (run, support) of a run the number of a load that rests on its drum, and the travel [m] that the
@@ -171,23 +174,18 @@ class LineState:
     def rezero(self) -> None:
         """Sets the travel of all supports to zero: span lengths and places of loads follow."""
         for r, (run, layout) in enumerate(zip(self.runs, self.model.layouts, strict=True)):
-            rope = self.rope(r)
-            loads = run.loads
-            self.runs[r] = replace(
-                run,
-                loads=replace(
-                    loads,
-                    place=np.where(loads.pinned >= 0, rope[np.maximum(loads.pinned, 0)] + loads.at, loads.place)
-                    - rope[0],
-                ),
-            )
-            self.point.p[layout.length_start] = np.diff(rope)
+            rope, loads, d = self.rope(r), run.loads, self.point.d
+            place = loads.place
+            if loads.pins:
+                place = np.where(loads.pinned >= 0, rope[np.maximum(loads.pinned, 0)] + loads.at, place)
+            self.runs[r] = run.carrying(place=place - rope[0])
+            self.point.p[layout.length_start] = rope[1:] - rope[:-1]
             friction = layout.grip >= 0
             self.point.p[layout.grip[friction]] -= layout.travel.read(self.point.x, self.point.z)[friction]
             layout.travel.write(np.zeros(len(rope)), self.point.x, self.point.z)
-            on = layout.held[layout.held >= 0]
-            self.point.d[layout.held_travel[layout.held_travel >= 0]] *= 1.0 - self.point.d[on]
-        self.write_slots()
+            held, held_travel = layout.holds
+            d[held_travel] *= 1.0 - d[held]
+            layout.slots.write_places(d, self.runs[r], self.passed[r], layout.start(self.point.p))
 
     def require_rope(self, remedy: str) -> None:
         """Raises EquilibriumError where no rope is left in a span."""
@@ -203,26 +201,72 @@ class LineState:
 
     def set(self, values: Mapping[str, float]) -> None:
         """Sets parameters, inputs, drives' states and masses of loads. Raises InputError."""
-        owners = _owners(tuple(run.loads.names for run in self.runs))
-        masses = [run.loads.mass.copy() for run in self.runs]
-        for name, value in values.items():
-            if not math.isfinite(value):
-                raise InputError(f"{name} is {value!r}", "Give a finite number")
-            if (loads := owners.get(name)) is not None:
-                if value < 0.0 or (value == 0.0 and self.runs[loads[0][0]].feed is None):
-                    raise InputError(f"{name} is {value!r} kg", "A load has a mass above zero")
-                for r, i in loads:
-                    masses[r][i] = value
+        names, numbers = tuple(values), np.fromiter(values.values(), float, len(values))
+        settings = _settings_of(self.model)(names, tuple(run.loads.names for run in self.runs))
+        if (wrong := settings.refused(numbers)) is not None:
+            self._refuse(names[wrong], values[names[wrong]])
+        for kind, places, which in settings.entries:
+            self.point.vector(kind)[places] = numbers[which]
+        for r, places, which in settings.masses:
+            mass = self.runs[r].loads.mass.copy()
+            mass[places] = numbers[which]
+            self.runs[r] = self.runs[r].carrying(mass=mass)
+
+    def _refuse(self, name: str, value: float) -> None:
+        """Raises InputError for a value that cannot be set."""
+        if not math.isfinite(value):
+            raise InputError(f"{name} is {value!r}", "Give a finite number")
+        if name in _owners(tuple(run.loads.names for run in self.runs)):
+            raise InputError(f"{name} is {value!r} kg", "A load has a mass above zero")
+        kind, k = self.find(self.model.swaps.get(name, name))
+        if kind in (Kind.OUTPUT, Kind.ALGEBRAIC):
+            raise InputError(f"{name} is a result", "Use given= and solve_for=")
+        raise InputError(f"{name} is {value!r}", f"Give {self.model.tables[kind].ranges[k].words}")
+
+
+class _Settings:
+    """Where values by `names` go, in runs with loads of the names `loads`: `entries` of vectors (kind, places, numbers
+    of the values), and `masses` (run, places, numbers)."""
+
+    def __init__(self, model: Model, names: tuple[str, ...], loads: tuple[tuple[str, ...], ...]) -> None:
+        owners, ranges = _owners(loads), list[Range]()
+        entries = dict[Kind, list[tuple[int, int]]]()
+        masses = dict[int, list[tuple[int, int]]]()
+        for i, name in enumerate(names):
+            if (owned := owners.get(name)) is not None:
+                ranges.append(Range(0.0, above=model.runs[owned[0][0]].feed is None))
+                for r, load in owned:
+                    masses.setdefault(r, []).append((load, i))
                 continue
-            kind, k = self.find(self.model.swaps.get(name, name))
-            if kind in (Kind.OUTPUT, Kind.ALGEBRAIC):
-                raise InputError(f"{name} is a result", "Use given= and solve_for=")
-            if refused := self.model.tables[kind].ranges[k].refuses(value):
-                raise InputError(f"{name} is {value!r}", f"Give {refused}")
-            self.point.vector(kind)[k] = value
-        self.runs = [
-            replace(run, loads=replace(run.loads, mass=mass)) for run, mass in zip(self.runs, masses, strict=True)
-        ]
+            entry = model.swaps.get(name, name)
+            kind = next((kind for kind in _SET if entry in model.tables[kind].index), None)
+            if kind is None:
+                ranges.append(_NONE)
+                continue
+            place = model.tables[kind].index[entry]
+            ranges.append(model.tables[kind].ranges[place])
+            entries.setdefault(kind, []).append((place, i))
+        self.entries = [(kind, *np.array(found, dtype=int).T.copy()) for kind, found in entries.items()]
+        self.masses = [(r, *np.array(found, dtype=int).T.copy()) for r, found in masses.items()]
+        self._least = np.array([np.nextafter(own.least, np.inf) if own.above else own.least for own in ranges])
+        self._most = np.minimum([own.most for own in ranges], np.finfo(float).max)
+
+    def refused(self, numbers: np.ndarray) -> int | None:
+        """The first of the values that is not finite, outside its range, or without a place."""
+        good = (numbers >= self._least) & (numbers <= self._most)
+        return None if good.all() else int(good.argmin())
+
+
+_SET = (Kind.STATE, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
+"""The vectors whose entries can be set."""
+_NONE = Range(np.inf, -np.inf)
+"""Of what cannot be set."""
+
+
+@kept_with_model
+def _settings_of(model: Model) -> Callable[[tuple[str, ...], tuple[tuple[str, ...], ...]], _Settings]:
+    """Finds where values by name go, and remembers the last few names."""
+    return lru_cache(maxsize=8)(lambda names, loads: _Settings(model, names, loads))
 
 
 @lru_cache(maxsize=16)

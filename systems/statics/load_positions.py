@@ -16,7 +16,7 @@ def assign_loads(state: LineState) -> bool:
     moved = False
     for r, run in enumerate(state.runs):
         rope = state.rope(r)
-        if np.any(run.loads.pinned >= 0):
+        if run.loads.pins:
             before, run = run.loads.names, replace(run, loads=run.loads.sorted(rope))
             state.runs[r], moved = run, moved or run.loads.names != before
         if run.around:
@@ -26,10 +26,11 @@ def assign_loads(state: LineState) -> bool:
         run = state.runs[r]
         # A load that stands on a support to rounding stays where it is.
         near = 1e-10 * (1.0 + np.abs(rope))
-        beyond = np.clip(state.passed[r], loads_passed(run, rope + near), loads_passed(run, rope - near))
+        least, most = loads_passed(run, np.array([rope + near, rope - near]))
+        beyond = np.minimum(np.maximum(state.passed[r], least), most)
         if run.around:
             beyond[-1] = beyond[0] - run.around
-        if np.any(beyond != state.passed[r]):
+        if (beyond != state.passed[r]).any():
             moved = True
             state.passed[r] = beyond
     if moved:
@@ -86,9 +87,9 @@ def require_pinned(state: LineState) -> None:
     """Raises EquilibriumError where a span does not have enough rope for a load that hangs at a distance on it."""
     for r, run in enumerate(state.runs):
         loads = run.loads
-        pinned = np.flatnonzero((loads.pinned >= 0) & (loads.at > 0.0))
-        if not len(pinned):
+        if not loads.pins:
             continue
+        pinned = np.flatnonzero((loads.pinned >= 0) & (loads.at > 0.0))
         room = np.diff(state.rope(r)) + state.model.layouts[r].free(state.point.z)
         for i in pinned:
             span = run.spans[loads.pinned[i]].name

@@ -13,16 +13,17 @@ import math
 import resource
 import signal
 import traceback
+import types
 import warnings
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import is_dataclass
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Union, get_args, get_origin
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -30,6 +31,7 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
+from ropeway.components.argument_checks import hints_of
 from support import calls
 from support.call_objects import CARRIAGE, HEAD, ROPE, TAIL
 
@@ -45,7 +47,7 @@ NEVER: tuple[Any, ...] = (
     int, {1.0}, {"a"}, lambda: 3.0, rw.Elastic, pd.Timestamp("2025-03-01"), NotImplemented, ..., Decimal("NaN"), range,
     np.array([1 + 1j]), np.datetime64("2025-03-01"), memoryview(b"12"), iter([1.0]),
 )  # fmt: skip
-"""Values that no argument takes."""
+"""Values that no argument takes, but for an iterator where any iterable is allowed."""
 NO_NUMBER: tuple[Any, ...] = (
     True, False, np.True_, math.nan, np.nan, -math.nan, "", "x", "1.5", [], ["a"], [True], [math.nan], {"a": "x"},
     np.array([True]), np.array([np.nan]), np.array(None), pd.NA, pd.NaT, pd.DataFrame(), [[1.0], [2.0, 3.0]],
@@ -130,9 +132,19 @@ def is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
-def spoil(rng: np.random.Generator, name: str, arguments: dict[str, Any]) -> Spoilt:
+def takes_iterators(function: Any, argument: str, *, element: bool) -> bool:
+    """Whether the annotation of an argument, or of its elements, allows any iterable: not a sequence only."""
+    owner = (function.__init__, function) if isinstance(function, type) else (function,)
+    hint = hints_of(*owner).get(argument, Any)
+    options = get_args(hint) if get_origin(hint) in (Union, types.UnionType) else (hint,)
+    if element:
+        options = tuple(get_args(option)[-1] for option in options if get_args(option))
+    return any(get_origin(option) in (Iterable, Iterator) for option in options)
+
+
+def spoil(rng: np.random.Generator, name: str, call: calls.Call) -> Spoilt:
     """One argument replaced, an element of it replaced, or an argument's name changed or left out."""
-    spoilt = dict(arguments)
+    arguments, spoilt = call.arguments, dict(call.arguments)
     if not arguments or rng.random() < 0.03:
         spoilt["tensoin"] = 3.0
         return Spoilt(name, spoilt, "tensoin", True)
@@ -147,9 +159,12 @@ def spoil(rng: np.random.Generator, name: str, arguments: dict[str, Any]) -> Spo
     pick = rng.random()
     zoo = NEVER if pick < 0.25 else NO_NUMBER if pick < 0.5 else ODD
     wrong = zoo[int(rng.integers(len(zoo)))]
+    wrong = iter([1.0]) if isinstance(wrong, Iterator) else wrong  # one that nothing has read
     never = zoo is NEVER and not callable(inner) and f"{name}.{key}" not in ANYTHING
     if is_number(inner):
         never = (never or zoo is NO_NUMBER) and f"{name}.{key}" not in ANYTHING
+    if isinstance(wrong, Iterator):
+        never = never and not takes_iterators(call.function, key, element=element)
     if key in MUCH and is_number(wrong) and wrong > 100.0:
         wrong = 0
     if not element:
@@ -224,7 +239,7 @@ def spoilt_calls(seed: int, count: int, names: Sequence[str]) -> Counter[str]:
     found: Counter[str] = Counter()
     for _ in range(count):
         name = names[int(rng.integers(len(names)))]
-        spoilt = spoil(rng, name, calls.calls()[name]().arguments)
+        spoilt = spoil(rng, name, calls.calls()[name]())
         if wrong := verdict(calls.calls()[name], spoilt):
             found[f"{name}({spoilt.what}): {wrong}"] += 1
     return found
@@ -265,6 +280,14 @@ SLOW = {
     "load_path_report", "Result.plot", "Result.plot_line", "fmu.export", "inhaul",
     "tension_history", "payload", "optimise_supports", "load_path", "balanced",
 }  # fmt: skip
+
+
+def test_an_iterator_is_wrong_where_a_sequence_is_asked_for() -> None:
+    assert takes_iterators(rw.sweep, "parameters", element=True)
+    assert not takes_iterators(rw.sweep, "parameters", element=False)
+    assert takes_iterators(rw.Monitor.follow, "rows", element=False)
+    assert not takes_iterators(rw.sweep, "outputs", element=False)
+    assert not takes_iterators(rw.Schedule, "times", element=False)
 
 
 @pytest.mark.usefixtures("small_memory")

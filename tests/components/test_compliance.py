@@ -6,7 +6,7 @@ import pytest
 
 import ropeway as rw
 from ropeway.components.variable import Kind, Site, Variable
-from ropeway.systems.modelling.component_functions import closure_function, component_function
+from ropeway.systems.modelling.component_functions import closure_function, component_function, force_function
 
 ROPE = {"mass_per_length": 2.4, "axial_stiffness": 24e6, "breaking_load": 450e3, "diameter": 0.0254}
 PARAMETERS = {
@@ -18,14 +18,17 @@ WEATHER = [20.0, 300.0, 90.0, 15.0, 0.01, 900.0]
 
 
 def derivatives(span: rw.Span, variables: tuple[Variable, ...], *, weather: bool) -> ca.Function:
-    """The closure's derivatives by differentiation, and in closed form."""
+    """The closure's derivatives by differentiation, and in closed form; what the moves of the tension vector leave of
+    closures, and these."""
     function = component_function(span, variables, weather=weather)
     inputs = function.sx_in()
     closure, (a, b) = function.call(inputs)[1], inputs[-2:]
     unknowns = [inputs[3], a[3], b[3]]
     by_rules = ca.horzcat(*(ca.jacobian(closure, one) for one in unknowns))
     own = closure_function(span, variables, weather=weather).call(inputs)[1]
-    return ca.Function("both", inputs, [by_rules, own])
+    closure, moves = force_function(span, variables, weather=weather).call(inputs)
+    undone = ca.mtimes(own[:, :3], moves) + ca.horzcat(closure, own[:, 3:])
+    return ca.Function("all", inputs, [by_rules, own, undone, ca.horzcat(closure, own[:, 3:])])
 
 
 @pytest.mark.parametrize("weather", [False, True])
@@ -47,6 +50,8 @@ def test_closed_forms_are_the_derivatives(loads: int, stretch: rw.ConstructionSt
         drag = [rng.uniform(0.0, 1.0, loads)] if weather else []
         slots = [rng.uniform(0.0, 300.0, loads), np.sort(rng.uniform(0.0, 100.0, loads)), rng.integers(0, 2, loads)]
         given[6] = np.concatenate([*slots, *drag, np.zeros(loads)])
-        expected, found = (np.array(values) for values in both(*given))
+        expected, found, left, sides = (np.array(values) for values in both(*given))
         size = np.abs(expected).max(axis=0)
         assert (np.abs(found - expected).max(axis=0) <= 1e-10 * size).all(), (level, upwards)
+        rounding = np.linalg.cond(found[:, :3]) * 1e-14
+        assert (np.abs(left).max(axis=0) <= rounding * np.abs(sides).max(axis=0)).all(), (level, upwards)

@@ -55,7 +55,7 @@ PROTOCOL = {name for base in (Component, Node, Response) for name in vars(base)}
 INSIDE = {
     "wheel_equations", "wheel_outputs", "line_outputs", "total", "placed", "require_above", "own_variables", "demand",
     "motion", "block_out", "driver", "outputs", "clearance", "travels", "forget", "restore",
-    "precedence_of", "energies", "closure_moves",
+    "precedence_of", "energies", "closure_moves", "force_moves",
 }  # fmt: skip
 """Methods with intermediate objects of the library as arguments."""
 

@@ -26,7 +26,7 @@ from ropeway.systems.statics.load_positions import unpin
 _DIFFERENCE = 1e-4
 """Time over which velocities are differences of places [s]."""
 
-_JOINED = 0.1
+JOINED = 0.1
 """Loads that hang nearer together than this move together [m]."""
 
 AXES = "xyz"
@@ -147,8 +147,8 @@ def _slots(state: LineState, r: int) -> tuple[int, ...]:
     run, beyond = state.runs[r], state.passed[r]
     count = beyond[:-1] - beyond[1:]
     gaps = np.diff(-run.loads.place)
-    if run.moves and np.any(gaps > _JOINED):
-        fit = np.ceil(1.02 * np.diff(state.rope(r)) / gaps[gaps > _JOINED].min()).astype(int)
+    if run.moves and np.any(gaps > JOINED):
+        fit = np.ceil(1.02 * np.diff(state.rope(r)) / gaps[gaps > JOINED].min()).astype(int)
         count = np.maximum(count, np.minimum(fit, len(run.loads.place)))
     return tuple(int(n) for n in count)
 
@@ -266,7 +266,7 @@ def join(state: LineState, r: int, k: int) -> None:
     slots = np.arange(count)
     place = state.runs[r].loads.place[int(beyond[k]) - 1 - slots]
     loose = point.d[motion.tied[0, k] + slots] + point.d[motion.tied[1, k] + slots] == 0.0
-    near = np.diff(place, prepend=-np.inf) < _JOINED
+    near = np.diff(place, prepend=-np.inf) < JOINED
     point.d[motion.joined[k] + slots] = loose & near & np.append(False, loose[:-1])
 
 

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
 from typing import Any, NamedTuple
 
 import casadi as ca
@@ -49,17 +51,35 @@ class Sizes:
 
 @dataclass(frozen=True, eq=False)
 class ComponentKernels:
-    """Addresses of two compiled functions of one vector (states, algebraic variables, ports, inputs, what all share,
-    parameters, discrete variables; of a piece's matrix the step), the blocks of the matrix, and the orders of residuals
-    and algebraic variables in it. `far`: entries of ports that its equations need."""
+    """Two functions of one vector (states, algebraic variables, ports, inputs, what all share, parameters, discrete
+    variables; of a piece's matrix the step), the blocks of the matrix, and the orders of residuals and algebraic
+    variables in it. `far`: entries of ports that its equations need."""
 
     sizes: Sizes
-    value: int
-    matrix: int
+    value: ca.Function
+    matrix: ca.Function
     blocks: tuple[Block, ...]
     order_r: tuple[int, ...]
     order_z: tuple[int, ...]
     far: frozenset[int]
+
+    @cached_property
+    def addresses(self) -> dict[str, int]:
+        """Where both are, compiled, by their names in inertial.h. Raises CompilerError, WriteError."""
+        kernels = {"value": self.value, "matrix": self.matrix}
+        compiled = library({f"{name}.c": _source(k, name) for name, k in kernels.items()})
+        return {name: address(compiled, name) for name in kernels}
+
+    @cached_property
+    def sources(self) -> dict[str, tuple[str, str]]:
+        """Both in C for another library, by their names in inertial.h: a name that the content determines, and the
+        text."""
+        found = {}
+        for name, kernel in (("value", self.value), ("matrix", self.matrix)):
+            text = _source(kernel, "rw_kernel", exported=False)
+            own = f"rw_kernel_{sha256(text.encode()).hexdigest()[:16]}"
+            found[name] = own, text.replace("rw_kernel(", f"{own}(")
+        return found
 
 
 class _Symbols(NamedTuple):
@@ -78,7 +98,7 @@ _KERNELS: dict[Hashable, ComponentKernels] = {}
 
 
 def component_kernels(component: Component, slots: int, *, weather: bool) -> ComponentKernels:
-    """The kernels of a component with so many load slots. Raises UnfitError, CompilerError, WriteError."""
+    """The kernels of a component with so many load slots. Raises UnfitError."""
     site = Site(1.0, 1.0, slots, weather=weather)
     key = component.form(site)
     if key not in _KERNELS:
@@ -118,9 +138,7 @@ def _made(component: Component, site: Site) -> ComponentKernels:
         entries.append(found.nz[:])
     value = _kernel("value", [s.x, s.z, s.ports, s.known], [s.rates, s.residuals, s.given])
     matrix = _kernel("matrix", inputs, entries)
-    compiled = library({f"{k.name()}.c": _source(k) for k in (value, matrix)})
-    first, second = (address(compiled, k.name()) for k in (value, matrix))
-    return ComponentKernels(sizes, first, second, tuple(blocks), order_r, order_z, frozenset(blocks[1].columns))
+    return ComponentKernels(sizes, value, matrix, tuple(blocks), order_r, order_z, frozenset(blocks[1].columns))
 
 
 _ROWS_ARE_RESIDUALS = (0, 1, 2)
@@ -185,9 +203,9 @@ _LONG = ((40_000, "O0"), (10_000, "O1"))
 """Lines of a kernel above which GCC takes minutes, and what it compiles such a kernel with."""
 
 
-def _source(kernel: ca.Function) -> str:
-    """A kernel in C."""
-    text = kernel_source(kernel, kernel.name())
+def _source(kernel: ca.Function, name: str, *, exported: bool = True) -> str:
+    """A kernel in C, of a name."""
+    text = kernel_source(kernel, name, exported=exported)
     level = next((level for lines, level in _LONG if text.count("\n") > lines), None)
     pragma = f'#if defined(__GNUC__) && !defined(__clang__)\n#pragma GCC optimize ("{level}")\n#endif\n'
     return text if level is None else pragma + text

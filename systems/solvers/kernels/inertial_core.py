@@ -28,16 +28,15 @@ class InertialCore:
     def __init__(self, model: Model) -> None:
         found = tables_of(model)
         self.model, self.core, self.tables, self.room = model, inertial_library(), SystemTables(), found.room
-        nominals = (model.x.nominals, model.z.nominals, 1.0 / model.r.nominals)
         self._kept: list[np.ndarray] = []
         for name, size in found.sizes.items():
             setattr(self.tables, name, size)
         for name in INTEGERS:
             self._keep(name, found.integers[name])
-        for name, values in zip(NUMBERS, nominals, strict=True):
-            self._keep(name, np.ascontiguousarray(values, dtype=float))
+        for name in NUMBERS:
+            self._keep(name, np.ascontiguousarray(found.numbers[name], dtype=float))
         for name in KERNELS:
-            self._keep(name, np.array(found.kernels[name], dtype=np.uint64))
+            self._keep(name, np.array([form.addresses[name] for form in found.kernels], dtype=np.uint64))
 
     def _keep(self, name: str, values: np.ndarray) -> None:
         self._kept.append(values)

@@ -221,16 +221,18 @@ _PORTS, _FORCES, _FORCES_STATES, _FORCES_PORTS = 1, 3, 4, 5
 
 
 class Tables(NamedTuple):
-    """Sizes, integers, and the addresses of kernels, by their names in inertial.h; the room that a point needs."""
+    """Sizes, integers and scales, by their names in inertial.h; the kernels of its forms; the room that a point
+    needs."""
 
     sizes: dict[str, int]
     integers: dict[str, np.ndarray]
-    kernels: dict[str, list[int]]
+    numbers: dict[str, np.ndarray]
+    kernels: list[ComponentKernels]
     room: dict[str, int]
 
 
 def tables_of(model: Model) -> Tables:
-    """The tables of a model. Raises UnfitError, CompilerError, WriteError."""
+    """The tables of a model. Raises UnfitError."""
     found = _Finder(model)
     parts, pieces = found.parts, found.pieces
     shared = [found.begins[kind] + i for kind, i in shared_places(model.tables)]
@@ -279,7 +281,8 @@ def tables_of(model: Model) -> Tables:
     return Tables(
         dict(zip(SIZES, (*counts, found.band), strict=True)),
         {name: np.ascontiguousarray(values, dtype=np.int32) for name, values in integers.items()},
-        {"value": [f.kernels.value for f in forms], "matrix": [f.kernels.matrix for f in forms]},
+        {"x_nominal": model.x.nominals, "z_nominal": model.z.nominals, "r_scale": 1.0 / model.r.nominals},
+        [form.kernels for form in forms],
         room,
     )
 

@@ -109,30 +109,29 @@ def hung(
     """Loads of `runs` where their own places on the rope put them; `passed`: for each run the loads beyond each
     support, (records, supports); `masses`: for each run other masses in each record (records, loads). As many slots as
     the fullest span needs; None where there is no load."""
-    counts = [beyond[:, :-1] - beyond[:, 1:] for beyond in passed]
-    most = max((int(count.max()) for count in counts), default=0)
+    slots = places.slots_of(passed)
+    most = slots.there.shape[1]
     if most == 0:
         return None
     shape = (len(values), most, len(places.names))
-    distance, mass, drag = np.empty(shape), np.zeros(shape), np.zeros(shape) if weather else None
+    mass, drag = np.zeros(shape), np.zeros(shape) if weather else None
+    distance, lost = np.empty(shape), slots.lost
     distance[:] = spans.length[:, None]
-    there, lost = np.zeros(shape, dtype=bool), np.zeros(spans.length.shape, dtype=bool)
-    slot = np.arange(most)[:, None]
     for r, run in enumerate(runs):
         loads = run.loads
         if len(loads.place) == 0:
             continue
-        own = slice(places.runs[r], places.runs[r + 1])
-        lost[:, own] = counts[r] > places.slot_counts[own]
-        full = np.less(slot, counts[r][:, None], out=there[:, :, own])
-        load = (passed[r][:, None, :-1] - 1 - slot) * full
-        starts = np.zeros((len(values), own.stop - own.start))
-        spans.at_start[:, own][:, :-1].cumsum(axis=1, out=starts[:, 1:])
-        at = loads.place.take(load) + (spans.travel_a[:, own] - starts)[:, None]
-        if loads.pinned.max() >= 0:
+        own, load = slots.runs[r]
+        full = slots.there[:, :, own]
+        before = spans.travel_a[:, own].copy()
+        before[:, 1:] -= spans.at_start[:, own][:, :-1].cumsum(axis=1)
+        at = loads.place.take(load) + before[:, None]
+        if loads.pins:
             pinned = loads.pinned.take(load)
             at = np.where(pinned >= 0, loads.at.take(load), at)
-            lost[:, own] |= (full & (pinned >= 0) & (pinned != np.arange(own.stop - own.start))).any(axis=1)
+            astray = (full & (pinned >= 0) & (pinned != np.arange(own.stop - own.start))).any(axis=1)
+            lost = lost.copy()
+            lost[:, own] |= astray
         np.copyto(distance[:, :, own], at, where=full)
         if drag is not None:
             np.multiply(loads.drag.take(load), full, out=drag[:, :, own])
@@ -141,7 +140,7 @@ def hung(
         else:
             record = np.arange(len(values))[:, None, None]
             np.multiply(masses[r][record, load], full, out=mass[:, :, own])
-    return LoadsInSpans(distance, mass, there, lost, drag)
+    return LoadsInSpans(distance, mass, slots.there, lost, drag)
 
 
 class Shape(NamedTuple):

@@ -9,6 +9,7 @@ from fmpy import simulate_fmu
 
 import ropeway as rw
 from ropeway.fmu import Slave, load
+from support.drives import hydraulic_drive
 from support.fmus import corridor
 from support.held_carriage import held_carriage
 
@@ -72,14 +73,86 @@ def test_other_masses_start_to_move_in_both_kinds_of_fmu(path: Path) -> None:
     assert heights[0][-1] < heights[0][0] - 0.1
 
 
-def test_loads_over_supports_and_rigs_are_refused(tmp_path: Path) -> None:
-    line = rw.System("fed")
-    rope = rw.Rope(mass_per_length=2.4, axial_stiffness=24.026e6, breaking_load=450e3)
-    ends = rw.Drum("d", at=(0.0, 0.0), speed=1.0), rw.Drum("e", at=(180.0, 0.0), tension=90e3)
-    line.feed(
-        line.string(rope, ends[0], rw.Sheave("s", at=(90.0, 1.0)), ends[1], length=180.0), spacing=40.0, masses=300.0
+SPEED = rw.Schedule((0.0, 1.5, 2.0, 30.0), (2.0, 2.0, -2.0, -2.0))
+ROPE = rw.Rope(mass_per_length=2.4, axial_stiffness=24.026e6, breaking_load=450e3)
+
+
+def fed_line(speed: float | rw.Schedule) -> rw.System:
+    """Two spans over a sheave, with loads that are put on and run over it."""
+    s = rw.System("fed")
+    idler = rw.Sheave("s", at=(90.0, 2.0, 1.0), inertia=100.0, friction=0.01)
+    ends = rw.Drum("d", at=(0.0, 0.0), speed=speed), rw.Drum("e", at=(180.0, 0.0), tension=90e3, inertia=100.0)
+    s.feed(s.string(ROPE, ends[0], idler, ends[1], length=180.0), spacing=35.0, masses=(300.0, 200.0))
+    return s
+
+
+@pytest.fixture(scope="module")
+def fed(make: Any) -> Path:
+    found: Path = make("fed_inertia", fed_line(SPEED), "3.0", inertia=INERTIA, tolerance=1e-8)
+    return found
+
+
+@pytest.fixture(scope="module")
+def right() -> rw.Result:
+    """The run of `fed` in compiled code."""
+    return rw.simulate(fed_line(SPEED), 4.0, every=0.5, inertia=INERTIA, tolerance=1e-8, compiled=True)
+
+
+CROSSED = ["d_s.tension_a", "s_e.tension_b", "s.rope_speed", "s.travel", "s.loads_passed"]
+
+
+def test_loads_cross_supports_as_in_compiled_code(fed: Path, right: rw.Result) -> None:
+    assert right.events["event"].tolist() == ["crossing forward", "crossing backward"]
+    with Slave(load(fed)) as slave:
+        slave.enter(0.0, {})
+        slave.leave()
+        found = [slave.get(CROSSED)]
+        for _ in range(8):
+            slave.step(0.5, {}, {})
+            found.append(slave.get(CROSSED))
+    values = np.array(found)
+    assert values[:, :4] == pytest.approx(right.frame[CROSSED[:4]].to_numpy(), rel=1e-6, abs=1e-6)
+    assert values[:, 4].max() == values[0, 4] + 1 == values[-1, 4] + 1
+
+
+def test_loads_cross_supports_in_model_exchange(fed: Path, right: rw.Result) -> None:
+    run = simulate_fmu(
+        str(fed),
+        fmi_type="ModelExchange",
+        stop_time=4.0,
+        output_interval=0.5,
+        output=CROSSED[:2],
+        relative_tolerance=1e-6,
     )
-    with pytest.raises(rw.fmu.FmuExportError, match="run over its supports"):
-        rw.fmu.export(line, tmp_path / "line.fmu", platforms=(), inertia=INERTIA)
+    last = [np.flatnonzero(np.abs(run["time"] - t) < 1e-9)[-1] for t in right.frame.index]
+    for name in CROSSED[:2]:
+        assert run[name][last] == pytest.approx(right.frame[name].to_numpy(), rel=1e-3)
+
+
+def test_a_load_is_lost_where_its_mass_becomes_zero(make: Any) -> None:
+    s = rw.System("turn")
+    (span,) = s.string(ROPE, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(240.0, 0.0)), length=240.55)
+    for name, at in (("turn", 120.0), ("log", 100.0)):
+        s.hang(rw.Load(name, mass=500.0), span, at=at)
+    lost = [rw.Intervention(0.5, "load lost", "log")]
+    right = rw.simulate(s, 1.5, every=0.5, inertia=INERTIA, interventions=lost, tolerance=1e-8).frame["a_b.tension_a"]
+    found = []
+    with Slave(load(make("lost", s, "2.0", inertia=INERTIA, tolerance=1e-8))) as slave:
+        slave.enter(0.0, {})
+        slave.leave()
+        for mass in (500.0, 0.0, 0.0):
+            slave.step(0.5, {"log.mass": mass}, {"log.mass": mass})
+            found.append(slave.get(["a_b.tension_a"])[0])
+    assert found[1:] == pytest.approx(right.to_numpy()[2:], rel=1e-6)
+
+
+def test_what_the_core_does_not_have_and_rigs_are_refused(tmp_path: Path) -> None:
+    s = rw.System("powered")
+    middle = rw.ControlSheave("c", at=(90.0, 1.0), speed=1.0, drive=hydraulic_drive())
+    ends = rw.Drum("d", at=(0.0, 0.0), speed=1.0), rw.Drum("e", at=(180.0, 0.0), tension=90e3)
+    s.feed(s.string(ROPE, ends[0], middle, ends[1], length=180.0), spacing=40.0, masses=300.0)
+    s.connect(middle.supply, s.add(rw.HydraulicPowerUnit("unit", pump_flow=12e-3, engine_power=80e3)).outlet)
+    with pytest.raises(rw.fmu.FmuExportError, match=r"run over its supports, .*share a power unit"):
+        rw.fmu.export(s, tmp_path / "line.fmu", platforms=(), inertia=INERTIA)
     with pytest.raises(rw.InputError, match="has no inertia"):
         rw.fmu.export(corridor(), tmp_path / "rig.fmu", platforms=(), inertia=INERTIA)

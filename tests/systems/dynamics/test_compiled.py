@@ -84,6 +84,20 @@ def test_hydraulic_drives_within_and_at_their_limits(power: float) -> None:
     require_alike(*(rw.simulate(line(drive), 12.0, compiled=compiled) for compiled in (True, False)))
 
 
+def test_a_drive_that_turns_at_the_limit_of_its_pump() -> None:
+    """Its reference speed leaves the smooth corner of the limit within a millisecond of the start."""
+    drive = rw.HydraulicDrive(
+        displacement=1e-4, gear_ratio=20.0, sheave_radius=0.6, relief_pressure=3e7, pump_flow=3.48e-3, engine_power=2e5,
+        inertia=1000.0, drag=400.0,
+    )  # fmt: skip
+    runs = [
+        rw.simulate(line(drive), 2.0, inputs={"c2.speed": -1.98}, compiled=compiled, tolerance=1e-8)
+        for compiled in (True, False)
+    ]
+    assert 0.98 * drive.top_speed < 1.0 < 1.02 * drive.top_speed
+    require_alike(*runs)
+
+
 @dataclass(frozen=True, slots=True)
 class Sluggish(rw.Drive):
     """A drive whose speed follows its command by a law that is not linear."""

@@ -17,6 +17,7 @@ from ropeway.systems.statics.certificate import checks
 from ropeway.systems.statics.certificate.certify import certify
 from ropeway.systems.statics.certificate.checks import Certificate
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.record_blocks import Records
 
 ROPE = rw.Rope(mass_per_length=2.1, axial_stiffness=19e6, breaking_load=330e3)
 GUY = rw.Rope(mass_per_length=1.5, axial_stiffness=15e6, breaking_load=300e3)
@@ -244,7 +245,7 @@ def test_a_run_ends_before_a_record_that_fails() -> None:
     spoilt = records[6].z.copy()
     spoilt[result.model.z.index["d_s.force_x"]] *= 1.01
     records[6] = records[6]._replace(z=spoilt)
-    broken = replace(result, records=tuple(records), exact=np.ones(len(records), dtype=bool))
+    broken = replace(result, records=Records([records]), exact=np.ones(len(records), dtype=bool))
     with pytest.raises(rw.SimulationError, match="fails its check") as info:
         broken.require_certified()
     assert info.value.time == records[6].time
