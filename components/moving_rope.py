@@ -25,6 +25,7 @@ _LEAST_STRAIN = 1e-4
 """Least typical strain of a rope, for the scale of residuals of length."""
 _LEAST = 1.0
 """Horizontal tension of a rope that is cut [N]: a rope that hangs straight down has no direction."""
+_NONE: Vector = (0.0, 0.0, 0.0)
 
 
 def typical_stretch(site: Site, strain: Strain) -> float:
@@ -119,9 +120,9 @@ class MovingRope:
         for j in range(self.n):
             piece, there = self._piece(place, force, to[j] - at)
             own = _moved(_minus(self.of("place", j), v.a.position), self.of("velocity", j), ahead)
-            pull, free, behind = self.of("pull", j), self.free[j], catenary.after(piece, self.loads[j])
-            place = _chosen(free, own, there)
-            self.slots.append(Slot(place, _minus(there, own), _minus(pull, behind), _minus(behind, piece)))
+            pull, miss, behind = self.of("pull", j), _minus(there, own), catenary.after(piece, self.loads[j])
+            place = _minus(there, _times(self.free[j], miss))
+            self.slots.append(Slot(place, miss, _minus(pull, behind), catenary.after(_NONE, self.loads[j])))
             force, at = pull, to[j]
         return self._piece(place, force, self.length + ahead * shift - at)[1]
 
@@ -153,7 +154,7 @@ class MovingRope:
         miss = _minus(self.end, _moved(_minus(v.b.position, v.a.position), v.b.velocity, v.damping))
         half = _times(self.length / 2, self.force)
         hanging = (v.force_x - half[0] - _LEAST, v.force_y - half[1], v.force_z - half[2])
-        return _chosen(1 - v.broken, miss, _times(self.yields, hanging))
+        return _plus(_times(1 - v.broken, miss), _times(v.broken * self.yields, hanging))
 
     def _ends(self, node: str, rope: str) -> tuple[Vector, Vector]:
         """A rate of the rope at both ends: that of the node, and that of the rope that runs over it."""
@@ -190,33 +191,39 @@ class MovingRope:
     def inertia(self) -> tuple[list[Vector], list[Vector], Vector, Vector]:
         """Residuals of the places and of the accelerations of all slots, and the inertia that the ends carry [N]."""
         v, n = self.v, self.n
-        near, across = self.shares
         a, b = self._ends("acceleration", "rope_acceleration")
         each = [a, *(self.of("acceleration", j) for j in range(n)), b]
-        at: list[Vector] = [(0.0, 0.0, 0.0), *(_times(self.mass[j], each[j + 1]) for j in range(n)), (0.0, 0.0, 0.0)]
-        for k, piece in enumerate(self.pieces):
-            mass = v.mass_per_length * piece.length
-            at[k] = _plus(at[k], _times(mass, _plus(_times(near, each[k]), _times(across, each[k + 1]))))
-            at[k + 1] = _plus(at[k + 1], _times(mass, _plus(_times(across, each[k]), _times(near, each[k + 1]))))
-        at = [_minus(own, air) for own, air in zip(at, self._air(), strict=True)]
+        at = [_minus(own, air) for own, air in zip(self._carried(each), self._air(), strict=True)]
         hung, balances, at_a, at_b = [], [], at[0], at[-1]
         for j, slot in enumerate(self.slots):
             own = at[j + 1]
             bound = _times(_TYPICAL_MASS, _minus(each[j + 1], self._bound(j, a, b, each[j])))
             balances.append(_chosen(self.free[j], _minus(own, slot.force), bound))
-            in_balance = _minus(slot.force, _times(v.joined[j], own))
             # Of a rope that is cut the loads fall: only their weight accelerates them.
             fallen = v.broken * self.free[j]
-            held = _chosen(fallen, _plus(slot.force, slot.load), in_balance)
-            hung.append(_chosen(self.free[j] * (1 - v.broken), slot.miss, _times(self.yields, held)))
+            held = _plus(_minus(slot.force, _times(v.joined[j], own)), _times(fallen, slot.load))
+            hangs = self.free[j] - fallen
+            hung.append(_plus(_times(hangs, slot.miss), _times((1 - hangs) * self.yields, held)))
             at_a, at_b = _plus(at_a, _times(v.tied_a[j], own)), _plus(at_b, _times(v.tied_b[j], own))
         return hung, balances, at_a, at_b
+
+    def _carried(self, each: list[Vector]) -> list[Vector]:
+        """Forces that accelerate end a, all slots and end b with their loads and rope [N]; `each`: accelerations."""
+        near, across = (share * self.v.mass_per_length for share in self.shares)
+        own = [0.0, *(self.mass[j] for j in range(self.n)), 0.0]
+        for k, piece in enumerate(self.pieces):
+            own[k], own[k + 1] = own[k] + near * piece.length, own[k + 1] + near * piece.length
+        found = [_times(mass, rate) for mass, rate in zip(own, each, strict=True)]
+        for k, piece in enumerate(self.pieces):
+            mass = across * piece.length
+            found[k], found[k + 1] = _moved(found[k], each[k + 1], mass), _moved(found[k + 1], each[k], mass)
+        return found
 
     def _air(self) -> list[Vector]:
         """By how much the wind on moving loads and rope differs from that on resting ones, at end a, all slots and end
         b [N]; none without weather. It is quadratic in the relative velocity, and across the rope."""
         v, weather, speeds = self.v, self.v.weather, self.velocities
-        found: list[Vector] = [(0.0, 0.0, 0.0)] * len(speeds)
+        found: list[Vector] = [_NONE] * len(speeds)
         if weather is None:
             return found
         for j in range(self.n):

@@ -39,7 +39,7 @@ class Stretch(NamedTuple):
     slack: float
 
 
-SLOW, OSCILLATING = Stretch(0.005, 1.0, 1.0), Stretch(1.0, 0.1, 10.0)
+SLOW, OSCILLATING = Stretch(0.005, 1.0, 1.0), Stretch(1.0, 0.02, 10.0)
 
 
 class Idas:

@@ -10,7 +10,7 @@ import numpy as np
 from ropeway.components.errors import SimulationError
 from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.chattering import ChatterGuard
-from ropeway.systems.dynamics.inertia.solved_stretch import POINTS, SolvedStretch
+from ropeway.systems.dynamics.inertia.solved_stretch import SolvedStretch
 from ropeway.systems.dynamics.inertia.zone_bounds import Bounds
 from ropeway.systems.dynamics.line_stepper import LineMotion, LineStepper, Signal
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
@@ -22,8 +22,12 @@ _FIRST, _SHORTEST = 0.5, 1e-5
 """First stretch of a run, and the shortest that is tried when a longer one has failed [s]."""
 _MARGIN, _FARTHER = 0.01, 1.1
 """A stretch goes past the next event by this time [s] and by this factor: when it is due follows from its points."""
-_ACCEPTED, _GROWTH = 10.0, 10.0
-"""Largest error of interpolation, as a multiple of the tolerance, and largest growth of stretches."""
+_AIMED, _ACCEPTED, _GROWTH = 10.0, 100.0, 10.0
+"""Errors of interpolation that are aimed at and accepted, as multiples of the tolerance of the states, and the largest
+growth of stretches."""
+
+_VALUES, _COUNTS = 100_000, (50, 200)
+"""States at all points of a stretch, and least and largest number of points."""
 
 
 class InertialLine(LineStepper):
@@ -53,8 +57,8 @@ class InertialLine(LineStepper):
         return found
 
     def solve(self, stop: float) -> LineMotion:
-        """Solves the algebraic variables. Their rates, which IDAS does not need, are given as zero: see `solve_rates`.
-        Raises EquilibriumError."""
+        """Solves the algebraic variables. Their rates, which IDAS does not need and which can be infinite where a wind
+        rises, are given as zero: see `solve_rates`. Raises EquilibriumError."""
         newton_of(self.state.model).solve(self.state.point)
         return self.motion(np.zeros_like(self.state.point.z))
 
@@ -96,7 +100,7 @@ class InertialLine(LineStepper):
                 continue
             found = SolvedStretch(point, h, np.vstack([point.x, x]), np.vstack([point.z, z]))
             error = float(np.max(found.error / self.state.model.x.nominals)) / self.tolerance
-            self._longest = h * min(0.8 * max(error, 1e-30) ** (-1.0 / 6.0), _GROWTH)
+            self._longest = h * min(0.8 * max(error / _AIMED, 1e-30) ** (-1.0 / 6.0), _GROWTH)
             if error <= _ACCEPTED:
                 return found
             h = self._longest
@@ -104,8 +108,9 @@ class InertialLine(LineStepper):
 
 @kept_with_model
 def oscillating_idas_of(model: Model, tolerance: float) -> Idas:
-    """The integrator of a model with inertia."""
-    return Idas(model, tolerance, OSCILLATING, POINTS)
+    """The integrator of a model with inertia. It gives more points of small models: they cost less, and the stretches
+    are longer."""
+    return Idas(model, tolerance, OSCILLATING, int(np.clip(_VALUES // max(len(model.x), 1), *_COUNTS)))
 
 
 def _rate_after(signal: Signal, t: float) -> float:

@@ -10,21 +10,26 @@ from scipy.optimize import brentq
 from ropeway.systems.dynamics.inertia.zone_bounds import Bounds
 from ropeway.systems.solvers.points import Point
 
-POINTS = 100
-"""Parts of a stretch, at whose ends its states are known."""
 _NODES = 6
 """Points through which a polynomial interpolates."""
-_CHECKS = np.linspace(_NODES, POINTS - _NODES, 8).astype(int)
+_CHECKS = 8
+"""Points at which the interpolation is checked."""
 
 
 @dataclass(frozen=True, eq=False)
 class SolvedStretch:
-    """The states `x` (POINTS + 1, nx) and algebraic variables `z` (POINTS + 1, nz) in the `h` seconds after a point."""
+    """The states `x` (parts + 1, nx) and algebraic variables `z` (parts + 1, nz) at the ends of equal parts of the `h`
+    seconds after a point."""
 
     start: Point
     h: float
     x: np.ndarray
     z: np.ndarray
+
+    @property
+    def parts(self) -> int:
+        """Number of its parts."""
+        return len(self.x) - 1
 
     @property
     def end(self) -> float:
@@ -47,22 +52,22 @@ class SolvedStretch:
     def time_of_event(self, t: float, bounds: Bounds) -> float:
         """The first time after `t` at which a state comes to one of its bounds [s]; infinite without one."""
         before = bounds.excess(self.at(t)[0])
-        later = np.arange(int(np.floor((t - self.start.t) / self.h * POINTS + 1e-6)) + 1, POINTS + 1)
+        later = np.arange(int(np.floor((t - self.start.t) / self.h * self.parts + 1e-6)) + 1, self.parts + 1)
         beyond = (bounds.excess(self.x[later]) > 0.0) & (before <= 0.0)
         if not beyond.any():
             return np.inf
         i = int(np.argmax(beyond.any(axis=1)))
-        times = self.start.t + self.h * (later[i] + np.array([-1.0, 0.0])) / POINTS
+        times = self.start.t + self.h * (later[i] + np.array([-1.0, 0.0])) / self.parts
         span = (max(t, float(times[0])), min(float(times[1]), self.end))
         return min(self._root(int(k), span, bounds) for k in np.flatnonzero(beyond[i]))
 
     @property
     def error(self) -> np.ndarray:
         """Estimated error of the interpolation of each state, from that with every second point."""
-        apart = np.array([-5, -3, -1, 1, 3, 5])
-        weights = _weights(2.5)
-        found = np.tensordot(weights, self.x[_CHECKS[None, :] + apart[:, None]], 1)
-        return np.asarray(np.abs(found - self.x[_CHECKS]).max(axis=0) / 2.0**_NODES)
+        apart = np.arange(1 - _NODES, _NODES, 2)
+        at = np.linspace(_NODES, self.parts - _NODES, _CHECKS).astype(int)
+        found = np.tensordot(_weights((_NODES - 1) / 2.0), self.x[at[None, :] + apart[:, None]], 1)
+        return np.asarray(np.abs(found - self.x[at]).max(axis=0) / 2.0**_NODES)
 
     def _root(self, k: int, span: tuple[float, float], bounds: Bounds) -> float:
         """The time in a span at which watched state number k comes to a bound [s]."""
@@ -79,9 +84,9 @@ class SolvedStretch:
 
     def _nodes(self, t: float) -> tuple[slice, np.ndarray]:
         """The points next to a time, and how much each of them counts there."""
-        at = np.clip((t - self.start.t) / self.h * POINTS, 0.0, POINTS)
+        at = np.clip((t - self.start.t) / self.h * self.parts, 0.0, self.parts)
         at = np.round(at) if abs(at - np.round(at)) < 1e-9 else at
-        first = int(np.clip(np.floor(at) - (_NODES - 2) // 2, 0, POINTS + 1 - _NODES))
+        first = int(np.clip(np.floor(at) - (_NODES - 2) // 2, 0, self.parts + 1 - _NODES))
         return slice(first, first + _NODES), _weights(float(at) - first)
 
 
