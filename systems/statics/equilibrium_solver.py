@@ -215,14 +215,19 @@ def _rope(state: LineState, r: int, declared: np.ndarray) -> float:
 
 
 def _warn(certificate: Certificate) -> None:
-    """Warns of a rope that cannot bear its tension, in the name of the user's line of code."""
+    """Warns of a rope that cannot bear its tension."""
     used = certificate.utilisation
     if used is not None and not used.holds:
-        path, _, line = caller().rpartition(":")
-        warnings.warn_explicit(
-            f"The highest tension in span {used.component!r} at rest is {used.value:.3g} times the rope's minimum "
-            "breaking load. Take lighter loads, more sag or a stronger rope",
-            RopewayWarning,
-            path or "?",
-            int(line) if line.isdigit() else 1,
-        )
+        warn_overloaded(used.component, used.value)
+
+
+def warn_overloaded(span: str, times: float, when: str = "at rest") -> None:
+    """Warns of a tension of so many `times` the breaking load, in the name of the user's line of code."""
+    path, _, line = caller().rpartition(":")
+    warnings.warn_explicit(
+        f"The highest tension in span {span!r} {when} is {times:.3g} times the rope's minimum "
+        "breaking load. Take lighter loads, more sag or a stronger rope",
+        RopewayWarning,
+        path or "?",
+        int(line) if line.isdigit() else 1,
+    )

@@ -16,6 +16,7 @@ from support.rig_verdicts import Verdict, judge
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::ropeway.components.errors.RopewayWarning")  # of ropes above their breaking load
 def test_random_rigs_answer_rightly(campaign: Campaign) -> None:
     """With `-s` a line for each rig, so that a run that is cut off has numbers too."""
     total, rigs = Verdict(), 0

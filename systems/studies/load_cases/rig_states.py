@@ -14,6 +14,7 @@ from ropeway.systems.studies.load_cases.load_case import LoadCase
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
 from ropeway.systems.studies.skyline.load_path import stations_of
+from ropeway.systems.studies.skyline.rope_tensions import warn_of_overload
 from ropeway.systems.studies.skyline.station_solver import Stations
 
 _STATIONS = 20
@@ -73,4 +74,6 @@ def rig_path(rig: SkylineRig, payload: float, stations: np.ndarray) -> list[Solv
     for x in stations.tolist():
         stop_if_interrupted()
         solved.append(solver.solve(x, payload))
-    return certified(solved)
+    found = certified(solved)
+    warn_of_overload(found, stations)
+    return found

@@ -15,6 +15,7 @@ from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.rigs.skyline_rig import SkylineRig, studied_in
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
+from ropeway.systems.studies.skyline.rope_tensions import warn_of_overload
 from ropeway.systems.studies.skyline.station_row import station_row, units_of
 from ropeway.systems.studies.skyline.station_solver import Stations
 
@@ -69,6 +70,11 @@ def load_path(
           tailspar_lean, for each guyline `NAME_tension` at the top
         - for a log suspension (partial or full), ground_force, dropline_tension, front_clearance
 
+    Warns
+    -----
+    RopewayWarning
+        A rope is above its minimum breaking load.
+
     Raises
     ------
     InputError
@@ -106,7 +112,9 @@ def load_path(
         for x in positions:
             z = None if height is None else carriage_height(rig, float(x), height)
             solved.append(solver.solve(float(x), payload, z))
-    return frame()
+    found = frame()
+    warn_of_overload(solved, positions)
+    return found
 
 
 def default_stations(rig: SkylineRig, spacing: float = 5.0) -> np.ndarray:

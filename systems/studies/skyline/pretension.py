@@ -23,7 +23,7 @@ from ropeway.systems.rigs.bare_skyline import bare_tension
 from ropeway.systems.rigs.skyline_rig import SkylineRig, studied_in
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
-from ropeway.systems.studies.skyline.rope_tensions import highest_tension
+from ropeway.systems.studies.skyline.rope_tensions import highest_tension, warn_of_overload
 from ropeway.systems.studies.skyline.station_row import sag_columns, station_row
 from ropeway.systems.studies.skyline.station_solver import Stations
 
@@ -140,7 +140,9 @@ def set_up(
             )
     length = float(brentq(residual, low, high, xtol=1e-11, rtol=1e-14))
     rigged = replace(rig, length=length, tension=None)
-    loaded = station_row(certified([state(length=length)])[0], station)
+    (solved,) = certified([state(length=length)])
+    warn_of_overload([solved], [station])
+    loaded = station_row(solved, station)
     return SetUp(rigged, length, bare_tension(rigged), loaded)
 
 

@@ -11,6 +11,7 @@ from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.node import Node
 from ropeway.components.span import Span
 from ropeway.systems.results.support_rows import roller_force
+from ropeway.systems.statics.equilibrium_solver import warn_overloaded
 from ropeway.systems.statics.line_state import end_force
 from ropeway.systems.studies.skyline.carriage_model import Solved
 
@@ -19,6 +20,15 @@ def highest_tension(solved: Solved, role: str) -> float:
     """Highest tension of the skyline, the mainline or the haulback, by its role in the model [N]; 0 without one."""
     runs = [run for run, its in zip(solved.at.model.runs, solved.at.roles, strict=True) if its == role]
     return max((tension for run in runs for tension in end_tensions(solved, run.spans)), default=0.0)
+
+
+def warn_of_overload(solved: Sequence[Solved], stations: Sequence[float] | np.ndarray) -> None:
+    """Warns, once, of the rope that is farthest above its breaking load with the carriage at the stations [m]."""
+    states = zip(solved, stations, strict=True)
+    spans = ((one, x, span.name) for one, x in states for run in one.at.model.runs for span in run.spans)
+    used = max(((one[f"{name}.utilisation"], float(x), name) for one, x, name in spans), default=(0.0, 0.0, ""))
+    if used[0] > 1.0:
+        warn_overloaded(used[2], used[0], f"with the carriage at {used[1]:.6g} m")
 
 
 def end_tensions(solved: Solved, spans: Sequence[Span]) -> list[float]:

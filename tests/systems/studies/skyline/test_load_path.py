@@ -329,3 +329,15 @@ def test_a_live_skyline_of_a_given_length_is_a_standing_one(radius: float) -> No
     ]
     for column in ("carriage_z", "skyline_tension", "headspar_tension", "mainline_pull"):
         np.testing.assert_allclose(paths[0][column], paths[1][column], rtol=1e-9)
+
+
+def test_a_rope_above_its_breaking_load_is_warned_of_once() -> None:
+    weak = rw.Rope(mass_per_length=2.4, axial_stiffness=24e6, breaking_load=60e3)
+    spars = {"headspar": rw.HeadSpar("head", at=(0.0, 15.0)), "tailspar": rw.TailSpar("tail", at=(300.0, -20.0))}
+    line = rw.standing_skyline(None, **spars, skyline=weak, tension=20e3, carriage=rw.Carriage("carriage", mass=400.0))
+    with pytest.warns(rw.RopewayWarning, match="with the carriage at 150 m is 1") as told:
+        path = rw.load_path(line, 2500.0, [60.0, 150.0])
+    assert len(told) == 1
+    assert f"is {path['highest_tension'].max() / 60e3:.3g} times" in str(told[0].message)
+    with pytest.warns(rw.RopewayWarning, match="breaking load"):
+        rw.set_up(line, station=150.0, payload=2500.0, deflection=5.5)
