@@ -216,8 +216,9 @@ class DesignPointError(RopewayError):
     >>> rw.reliability(lambda load: 5.0, rw.Uncertain({"load": norm(10.0, 2.0)}), above=6.0)
     Traceback (most recent call last):
         ...
-    ropeway.components.errors.DesignPointError: The result does not change with the inputs. Name inputs
-    that it depends on
+    ropeway.components.errors.DesignPointError: The result does not change with the inputs at 0 standard
+    deviations from their medians. Name inputs that it depends on; where it is flat, or never passes the limit,
+    sweep cases and use rw.exceedance
     """
 
 
