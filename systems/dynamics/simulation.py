@@ -91,7 +91,8 @@ def simulate(
     compiled : bool, default False
         Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. Of
         lines of spans over standing supports, drives and responses run in compiled code too; IDAS integrates such a
-        line while a load stands on a support, its drives if they share a power unit, and other systems. With `inertia` all systems and drives run in compiled code.
+        line while a load stands on a support, its drives if they share a power unit, and other systems. With `inertia`
+        all systems and drives run in compiled code.
     environment : Environment, optional
         Weather, instead of that of the system; its temperature, wind pressure and direction may be schedules.
     inertia : Inertia, optional
