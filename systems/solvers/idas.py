@@ -10,14 +10,15 @@ The travel of a drive whose speed is commanded is a known function of time, and 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
 
 from ropeway.components.errors import SimulationError
 from ropeway.systems.modelling.dae_model import Model
-from ropeway.systems.modelling.equations import expanded
+from ropeway.systems.modelling.equations import derivatives, expanded
 from ropeway.systems.solvers.model_functions import Buffered, banded_order
 from ropeway.systems.solvers.points import Point
 from ropeway.systems.solvers.prescribed_states import commanded_of
@@ -42,6 +43,35 @@ class Stretch(NamedTuple):
 SLOW, OSCILLATING = Stretch(0.005, 1.0, 1.0), Stretch(1.0, 0.02, 10.0)
 
 
+def _scaled_moves(
+    model: Model, arguments: Sequence[Any], h: Any, z_scale: np.ndarray, order: tuple[np.ndarray, np.ndarray]
+) -> list[Any]:
+    """Derivatives of the scaled rates and algebraic equations, by the scaled states and then by the algebraic
+    variables; `order` of the equations and of these."""
+    rates_by_x, rates_by_z, alg_by_x, alg_by_z = derivatives(model).call(arguments)
+    rows, columns = (part.tolist() for part in order)
+    x, residual = model.x.nominals, model.r.nominals
+    return [
+        h * _times(rates_by_x, 1.0 / x, x),
+        _times(alg_by_x, 1.0 / residual, x)[rows, :],
+        h * _times(rates_by_z, 1.0 / x, z_scale)[:, columns],
+        _times(alg_by_z, 1.0 / residual, z_scale)[rows, columns],
+    ]
+
+
+def _times(matrix: Any, rows: np.ndarray, columns: np.ndarray) -> Any:
+    """A sparse matrix with each row and each column times a factor."""
+    pattern = matrix.sparsity()
+    return matrix * ca.DM(pattern, rows[pattern.row()] * columns[pattern.get_col()])
+
+
+def _jacobian(given: dict[str, Any], moves: list[Any]) -> ca.Function:
+    """The function by this name that CasADi's integrators have, so that they do not build it by differentiation."""
+    names = ["jac_ode_x", "jac_alg_x", "jac_ode_z", "jac_alg_z"]
+    inputs = [*given.values(), type(given["t"])(0, 1)]
+    return ca.Function("jacF", inputs, moves, [*given, "u"], names)
+
+
 class Idas:
     """The integrator of a model; `tolerance` is absolute, on scaled variables. It gives `count` points of a stretch, at
     equal distances."""
@@ -63,20 +93,18 @@ class Idas:
         passed = tau * h
         x = x0 + passed * x_rate + w * model.x.nominals
         z = z0 + passed * z_rate + zeta * (stretch.slack * model.z.nominals)
-        ode, alg = dae(start + passed, x, z, u + slope * passed, p, d)
-        if stretch is OSCILLATING and not model.external:
-            ode, alg = ca.cse([ode, alg])
+        arguments = (start + passed, x, z, u + slope * passed, p, d)
+        ode, alg = dae(*arguments)
         knowns = ca.vertcat(start, h, x0, x_rate, z0, z_rate, u, slope, p, d)
         # IDAS tests the mean error over all variables, of which only the states count.
         tight = strict(tolerance, stretch.share) * float(np.sqrt(max(nx, 1) / (nx + nz)))
+        given = {"t": tau, "x": w, "z": unknowns, "p": knowns}
+        moves = _scaled_moves(model, arguments, h, stretch.slack * model.z.nominals, (rows, columns))
         integrator = ca.integrator(
             "idas",
             "idas",
             {
-                "t": tau,
-                "x": w,
-                "z": unknowns,
-                "p": knowns,
+                **given,
                 "ode": h * (ode - x_rate) / model.x.nominals,
                 "alg": (alg / model.r.nominals)[rows.tolist()],
             },
@@ -93,6 +121,7 @@ class Idas:
                 "step0": stretch.first,
                 "max_num_steps": 100_000,
                 "disable_internal_warnings": True,
+                "cache": {"jacF": _jacobian(given, moves)},
             },
         )
         self._f = Buffered(integrator)
