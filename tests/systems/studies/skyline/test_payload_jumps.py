@@ -56,7 +56,9 @@ def test_payload_near_a_shoe_ends_without_a_certified_state() -> None:
         rw.load_path(case.rig, found["payload"] * 1.002, [238.97957])
 
 
-def test_the_campaign_finds_a_payload_of_nothing_between_two_that_are_something(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_campaign_finds_a_payload_of_nothing_between_two_that_are_something(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     case, solve = _case(1024, 154), rw.payload
 
     def broken(*arguments: object, **more: object) -> SimpleNamespace:
