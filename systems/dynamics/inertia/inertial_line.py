@@ -33,6 +33,8 @@ _VALUES, _COUNTS = 100_000, (50, 200)
 class InertialLine(LineStepper):
     """A line with inertia and the signals of its inputs; those that are rates of others follow from these."""
 
+    _ahead: SolvedStretch | None = None
+
     def __init__(self, state: LineState, signals: Sequence[Signal], tolerance: float) -> None:
         self.guard = ChatterGuard(sum(len(run.nodes) for run in state.runs))
         self._longest = _FIRST
@@ -77,7 +79,7 @@ class InertialLine(LineStepper):
 
     def drive(self, signals: Sequence[Signal]) -> None:
         super().drive(signals)
-        self._ahead: SolvedStretch | None = None
+        self._ahead = None
 
     def _integrated(self, quiet: float, motion: LineMotion, bounds: Bounds) -> SolvedStretch:
         """Integrates a stretch: to `quiet` [s], a little past the next bound, or as far as its points are near enough
