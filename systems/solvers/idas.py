@@ -19,6 +19,7 @@ from ropeway.components.errors import SimulationError
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.equations import derivatives, expanded
 from ropeway.systems.solvers.model_functions import Buffered, banded_order
+from ropeway.systems.solvers.muted import muted
 from ropeway.systems.solvers.points import Point
 from ropeway.systems.solvers.prescribed_states import commanded_of
 
@@ -44,9 +45,7 @@ class Stretch(NamedTuple):
 SLOW, OSCILLATING = Stretch(0.005, 1.0, 1.0, True), Stretch(1.0, 0.02, 10.0, False)
 
 
-def _scaled_moves(
-    model: Model, arguments: Sequence[Any], h: Any, order: tuple[np.ndarray, np.ndarray]
-) -> list[Any]:
+def _scaled_moves(model: Model, arguments: Sequence[Any], h: Any, order: tuple[np.ndarray, np.ndarray]) -> list[Any]:
     """Derivatives of the rates and of the scaled algebraic equations, by the states and then by the algebraic variables;
     `order` of the equations and of these."""
     rates_by_x, rates_by_z, *algebraic = derivatives(model).call(arguments)
@@ -110,7 +109,6 @@ class Idas:
                 # The error test shortens the first step.
                 "step0": stretch.first,
                 "max_num_steps": 100_000,
-                "disable_internal_warnings": True,
                 "cache": {"jacF": _jacobian(given, moves)},
             },
         )
@@ -137,7 +135,8 @@ class Idas:
         z_rate = z_rate if self._follows else np.zeros(0)
         knowns = np.concatenate([[point.t, h], x_rate, z_rate, point.u, slope, point.p, point.d])
         try:
-            end = self._f(point.x, point.z[self._columns], knowns)
+            with muted():
+                end = self._f(point.x, point.z[self._columns], knowns)
         except RuntimeError as error:
             reason = str(error).strip().splitlines()[-1]
             raise SimulationError(
