@@ -152,17 +152,52 @@ static int put_beyond(const rs_line *l, rs_point *q, rs_motion *m, int k, int lo
     return write_beside(l, q, m, last) && room;
 }
 
-/* Writes the present point down; on the grid all sections are solved. */
-void rs_record(const rs_line *l, const rs_point *q, rs_motion *m, int grid)
+static void begin_record(const rs_line *l, const rs_point *q, rs_motion *m, int grid, int sections)
 {
-    int n = m->records++;
+    int n = m->written.records++;
     m->record_time[n] = m->time;
     m->record_grid[n] = grid;
     m->record_epoch[n] = m->epoch;
+    m->record_sections[n] = sections;
     memcpy(m->record_x + n * l->nx, q->x, l->nx * sizeof(double));
-    memcpy(m->record_z + n * l->nz, q->z, l->nz * sizeof(double));
     if (m->record_u) memcpy(m->record_u + n * l->nu, q->u, l->nu * sizeof(double));
-    memcpy(m->record_passed + n * l->supports, m->passed, l->supports * sizeof(long long));
+}
+
+/* Writes the present point down; on the grid all sections are solved. */
+void rs_record(const rs_line *l, const rs_point *q, rs_motion *m, int grid)
+{
+    int n = m->written.wholes++;
+    begin_record(l, q, m, grid, 0);
+    memcpy(m->whole_z + n * l->nz, q->z, l->nz * sizeof(double));
+    memcpy(m->whole_passed + n * l->supports, m->passed, l->supports * sizeof(long long));
+    m->written.behind = 0;
+}
+
+/* The same where only some sections are solved. */
+static void record_beside(const rs_line *l, const rs_point *q, rs_motion *m, const int *sections, int count)
+{
+    if (m->written.behind >= m->chain) {
+        rs_record(l, q, m, 0);
+        return;
+    }
+    begin_record(l, q, m, 0, count);
+    m->written.behind++;
+    for (int i = 0; i < count; i++) {
+        double *to = m->part_z + m->written.numbers;
+        m->part_section[m->written.sections++] = sections[i];
+        for (int k = l->first[sections[i]], span = l->first_span[sections[i]]; k <= l->last[sections[i]]; k++, span++) {
+            if (k < l->last[sections[i]]) memcpy(to, q->z + l->force[span], 3 * sizeof(double)), to += 3;
+            if (l->travel[k] >= 0) *to++ = q->z[l->travel[k]];
+        }
+        m->written.numbers = (int)(to - m->part_z);
+    }
+}
+
+/* Whether there is no room for a crossing with the records of a stop. */
+int rs_is_full(const rs_line *l, const rs_motion *m)
+{
+    return m->written.records + 8 > m->most || m->written.wholes + 8 > m->most_wholes ||
+           m->written.numbers + 2 * l->nz > m->most_numbers || m->events + RS_MOST > 4 * m->most;
 }
 
 /* Whether a jump has moved a load of the touched sections past a support; at the ends of a run that have just been
@@ -229,7 +264,8 @@ int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first
 {
     rs_coming due[RS_MOST];
     int count = 0, crossings = due_now(l, q, m, first, due);
-    int records = m->records, events = m->events, room = 1;
+    int events = m->events, room = 1;
+    rs_written written = m->written;
     double *z = m->room, *rate = z + l->nz;
     leave(l, m, first);
     for (int i = 0; i < crossings; i++) {
@@ -238,27 +274,25 @@ int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first
     }
     for (int i = 0; i < count; i++) m->touched[sections[i]] = 1;
     if (crossings == RS_MOST || count == RS_MOST) return RS_CROSSING;
-    rs_record(l, q, m, 0); /* the sections of the crossing are solved on both sides, others are where rates lead them */
-    memcpy(z, q->z, l->nz * sizeof(double));
-    memcpy(rate, q->z_rate, l->nz * sizeof(double));
+    record_beside(l, q, m, sections, count); /* solved on both sides, others are where rates lead them */
+    for (int i = 0; i < count; i++) rs_keep(l, sections[i], q->z, z), rs_keep(l, sections[i], q->z_rate, rate);
     for (int i = 0; i < crossings; i++) {
         leave(l, m, due + i);
-        m->coming.record = m->records;
+        m->coming.record = m->written.records;
         m->event[m->events++] = m->coming;
         room = put_beyond(l, q, m, due[i].k, due[i].forward ? 1 : -1) && room;
     }
     for (int i = 0; room && i < count; i++)
         if (rs_solve(l, q, sections[i], 1) != RS_OK) room = 0;
     if (!room || overrun(l, q, m, due, crossings, sections, count)) {
-        memcpy(q->z, z, l->nz * sizeof(double));
-        memcpy(q->z_rate, rate, l->nz * sizeof(double));
+        for (int i = 0; i < count; i++) rs_keep(l, sections[i], z, q->z), rs_keep(l, sections[i], rate, q->z_rate);
         for (int i = crossings - 1; i >= 0; i--) put_beyond(l, q, m, due[i].k, due[i].forward ? -1 : 1);
-        m->records = records;
+        m->written = written;
         m->events = events;
         leave(l, m, first);
         return RS_CROSSING;
     }
-    rs_record(l, q, m, 0);
+    record_beside(l, q, m, sections, count);
     *beside = count;
     return RS_REACHED;
 }

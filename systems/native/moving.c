@@ -46,7 +46,7 @@ void rs_follow(const rs_line *l, rs_point *q, rs_motion *m, double time)
 static int correct(const rs_line *l, rs_point *q, rs_motion *m, const int *sections, int count)
 {
     double *led = m->room;
-    memcpy(led, q->z, l->nz * sizeof(double));
+    for (int i = 0; i < count; i++) rs_keep(l, sections ? sections[i] : i, q->z, led);
     for (int i = 0; sections && i < count; i++) m->touched[sections[i]] = 1;
     for (int i = 0; i < count; i++)
         if ((m->failure = rs_solve(l, q, sections ? sections[i] : i, 1)) != RS_OK) return RS_FAILED;
@@ -103,7 +103,7 @@ int rs_move(const rs_line *l, rs_point *q, rs_motion *m, double stop, const rs_d
     int sections[RS_MOST], count, failed;
     for (;;) {
         if (rs_short_of_loads(l, m)) return RS_LOADS;
-        if (m->records + 8 > m->most || m->events + RS_MOST > 4 * m->most) return RS_FULL;
+        if (rs_is_full(l, m)) return RS_FULL;
         if (!rs_next(l, q, m, &next) || next.time > stop - m->time) break;
         rs_follow(l, q, m, m->time + next.time);
         count = rs_beside(l, next.k, sections, 0, RS_MOST);
