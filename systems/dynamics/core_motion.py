@@ -77,6 +77,7 @@ class CoreMotion:
             "wind": wind,
             "sign": _signs(model, line),
             "kept": model.kept.astype(np.int32),
+            "due": np.zeros(tables.supports),
             "room": np.zeros(2 * tables.nz + 2 * tables.supports),
             "touched": np.zeros(tables.sections, np.int32),
             "old_rate": np.zeros(tables.nz),

@@ -28,23 +28,36 @@ static void gaps(const rs_line *l, const rs_point *q, const rs_motion *m, int k,
     if (l->around[run] && rs_is_last(l, k)) *ahead = *behind = INFINITY;
 }
 
-/* The load that crosses first at the present rates. */
+/* When the next load reaches a support at the present rates. */
+static void foresee(const rs_line *l, const rs_point *q, const rs_motion *m, int k)
+{
+    double ahead, behind, rate = rs_travel_rate(l, q, k);
+    m->due[k] = INFINITY;
+    if (fabs(rate) <= 1e-12) return;
+    gaps(l, q, m, k, &ahead, &behind);
+    m->due[k] = m->time + (rate > 0.0 ? ahead / rate : behind / -rate);
+}
+
+/* The same for some sections, or all: their rates or loads have changed. */
+void rs_foresee(const rs_line *l, const rs_point *q, const rs_motion *m, const int *sections, int count)
+{
+    for (int k = 0; !sections && k < l->supports; k++) foresee(l, q, m, k);
+    for (int i = 0; i < count; i++)
+        for (int k = l->first[sections[i]]; k <= l->last[sections[i]]; k++) foresee(l, q, m, k);
+}
+
+/* The load that crosses first at the present rates; those of idlers are as they were foreseen. */
 int rs_next(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *found)
 {
-    found->time = INFINITY;
+    double time = INFINITY;
     for (int k = 0; k < l->supports; k++) {
-        double ahead, behind, rate = rs_travel_rate(l, q, k), time;
-        if (fabs(rate) <= 1e-12) continue;
-        gaps(l, q, m, k, &ahead, &behind);
-        time = rate > 0.0 ? ahead / rate : behind / -rate;
-        if (time < found->time) {
-            found->time = time;
-            found->gap = rate > 0.0 ? ahead : behind;
-            found->k = k;
-            found->forward = rate > 0.0;
-        }
+        if (l->state[k] >= 0) foresee(l, q, m, k);
+        if (m->due[k] < time) time = m->due[k], found->k = k;
     }
-    return isfinite(found->time);
+    if (!isfinite(time)) return 0;
+    found->forward = rs_travel_rate(l, q, found->k) > 0.0;
+    rs_look_again(l, q, m, found);
+    return 1;
 }
 
 /* The same load from here. */
@@ -240,7 +253,7 @@ static int due_now(const rs_line *l, const rs_point *q, const rs_motion *m, cons
     due[0] = *first;
     for (int k = 0; k < l->supports && count < RS_MOST; k++) {
         double ahead, behind, rate = rs_travel_rate(l, q, k), near = NEAR * m->scale[l->run_of[k]];
-        if (k == first->k) continue;
+        if (k == first->k || fabs(m->due[k] - m->time) * fabs(rate) > 2.0 * near) continue;
         gaps(l, q, m, k, &ahead, &behind);
         if ((fabs(ahead) <= near && rate > 0.0) || (fabs(behind) <= near && rate < 0.0)) {
             due[count].k = k;

@@ -21,15 +21,14 @@ static void drive(const rs_line *l, rs_point *q, const rs_motion *m, double time
         weight[j] = m->weights[j] / away;
         sum += weight[j];
     }
-    for (int i = 0; i < l->nx; i++) {
-        double x = 0.0, v = 0.0;
-        for (int j = 0; j < RS_NODES; j++) {
-            x += weight[j] * m->window[j * l->nx + i];
-            v += weight[j] * m->window_rates[j * l->nx + i];
+    memset(q->x, 0, l->nx * sizeof(double));
+    memset(q->x_rate, 0, l->nx * sizeof(double));
+    for (int j = 0; j < RS_NODES; j++) /* by rows: sums of many states side by side */
+        for (int i = 0; i < l->nx; i++) {
+            q->x[i] += weight[j] * m->window[j * l->nx + i];
+            q->x_rate[i] += weight[j] * m->window_rates[j * l->nx + i];
         }
-        q->x[i] = x / sum;
-        q->x_rate[i] = v / sum;
-    }
+    for (int i = 0; i < l->nx; i++) q->x[i] /= sum, q->x_rate[i] /= sum;
 }
 
 /* Moves along the trajectories to a time; sections and inputs follow their rates. */
@@ -60,6 +59,7 @@ static int correct(const rs_line *l, rs_point *q, rs_motion *m, const int *secti
             return RS_FAILED;
         }
     }
+    rs_foresee(l, q, m, sections, sections ? count : 0);
     return RS_REACHED;
 }
 
@@ -101,6 +101,7 @@ int rs_move(const rs_line *l, rs_point *q, rs_motion *m, double stop, const rs_d
 {
     rs_coming next;
     int sections[RS_MOST], count, failed;
+    rs_foresee(l, q, m, 0, 0);
     for (;;) {
         if (rs_short_of_loads(l, m)) return RS_LOADS;
         if (rs_is_full(l, m)) return RS_FULL;
@@ -123,6 +124,7 @@ int rs_move(const rs_line *l, rs_point *q, rs_motion *m, double stop, const rs_d
         if (drives && rs_coupled(l, q, m, drives, sections, count)) return RS_COUPLED;
         if ((failed = rs_cross(l, q, m, &next, sections, &count))) return failed;
         if (m->single) return RS_PASSED;
+        rs_foresee(l, q, m, sections, count);
         if (!drives || m->time >= stop) continue;
         if (rs_limited(l, drives, sections, count) || rs_coupled(l, q, m, drives, sections, count)) return RS_PASSED;
     }

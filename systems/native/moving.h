@@ -74,6 +74,7 @@ typedef struct {
     int keeps, epochs;
     double *epoch_kept;     /* (epochs, keeps) */
     long long *epoch_ticks; /* (epochs, clocks) */
+    double *due;            /* (supports,): when the next load reaches each of them */
     double *room;           /* 2 nz + 2 supports doubles */
     /* for the guess at a stop: time of the last one, 0 in `curved` where there is none; (nz,) rates there, and their
      * change since the one before [per s2]; (sections,) whether a section has been solved since */
@@ -121,6 +122,7 @@ typedef struct {
 double rs_rope(const rs_line *l, const rs_point *q, const rs_motion *m, int k);
 void rs_end_force(const rs_line *l, const rs_point *q, const rs_motion *m, int span, int end, double *force);
 double rs_travel_rate(const rs_line *l, const rs_point *q, int k);
+void rs_foresee(const rs_line *l, const rs_point *q, const rs_motion *m, const int *sections, int count);
 int rs_next(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *found);
 void rs_look_again(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *load);
 int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first, int *sections, int *count);

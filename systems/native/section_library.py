@@ -92,7 +92,7 @@ class Motion(ctypes.Structure):
         (CrossingEvent, "coming"),
         (ctypes.c_void_p, "kept"),
         (ctypes.c_int, "keeps epochs"),
-        (ctypes.c_void_p, "epoch_kept epoch_ticks room"),
+        (ctypes.c_void_p, "epoch_kept epoch_ticks due room"),
         (ctypes.c_double, "stopped"),
         (ctypes.c_int, "curved"),
         (ctypes.c_void_p, "touched old_rate curve"),
