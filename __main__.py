@@ -10,16 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ropeway import cli_cases, cli_projects
-from ropeway.cli_options import (
-    LineOptions,
-    WeatherOptions,
-    errors_on_one_line,
-    folder_for,
-    grouped,
-    require_defaults,
-    require_paths,
-)
+from ropeway import cli_cases, cli_options, cli_projects
+from ropeway.cli_options import LineOptions, WeatherOptions, errors_on_one_line, folder_for, grouped
 from ropeway.cli_plan import print_table, report_plan
 from ropeway.components.errors import Interrupted, SimulationError
 from ropeway.components.rounding import at_least, at_most
@@ -146,7 +138,7 @@ def optimise(
     with errors_on_one_line():
         system, limits = line.system(safety_factor), rw.ScheduleLimits(force=plan.force, power=plan.power)
         folder_for(out)
-        require_paths(report)
+        cli_options.require_paths(report)
         found = rw.optimise_schedule(
             system,
             plan.until,
@@ -230,9 +222,9 @@ def payload(
 
     with errors_on_one_line():
         folder_for(out)
-        require_paths(*(report or ()), gis=gis or ())
+        cli_options.require_paths(*(report or ()), gis=gis or ())
         if cli_projects.is_project(corridor):
-            require_defaults(rig, corridor)
+            cli_options.require_defaults(rig, corridor)
             project = rw.load(corridor)
             study = cli_projects.study_of(
                 project,
@@ -339,7 +331,7 @@ def _simulate(run: Callable[[], Result], out: Path, report: Path | None = None) 
     from ropeway.systems.dynamics.result import Result
 
     folder_for(out)
-    require_paths(report)
+    cli_options.require_paths(report)
     try:
         result = run()
     except (Interrupted, SimulationError) as error:

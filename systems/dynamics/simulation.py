@@ -89,10 +89,9 @@ def simulate(
     progress : bool, optional
         Whether to show a progress bar; by default on a terminal only.
     compiled : bool, default False
-        Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. Of
-        lines of spans over standing supports, drives and responses run in compiled code too; IDAS integrates such a
-        line while a load stands on a support, its drives if they share a power unit, and other systems. With `inertia`
-        all systems and drives run in compiled code.
+        Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. On
+        standing supports drives and responses run there too, but IDAS integrates a line while a load stands on a
+        support, and drives that share a power unit. With `inertia` all systems and drives run in compiled code.
     environment : Environment, optional
         Weather, instead of that of the system; its temperature, wind pressure and direction may be schedules.
     inertia : Inertia, optional

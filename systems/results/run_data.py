@@ -20,7 +20,7 @@ from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.results import line_clearance
 from ropeway.systems.results.column_labels import Labels
-from ropeway.systems.solvers.array_outputs import outputs_of_rows
+from ropeway.systems.solvers.array_outputs import has_groups, outputs_of_rows
 from ropeway.systems.solvers.compiled_rows import compiled_outputs, solve_rows
 from ropeway.systems.solvers.condensed_newton import solve_points
 from ropeway.systems.solvers.newton import newton_of
@@ -150,9 +150,9 @@ class RunData(Tabular):
 
     @cached_property
     def _in_core(self) -> bool:
-        """Whether states are restored and outputs evaluated in the compiled core, where the run was compiled, without
-        inertia. The numbers are the same without a compiler."""
-        if not self.compiled or self.model.inertia is not None:
+        """Whether states are restored and outputs evaluated in the compiled core, where the run was compiled and
+        components do not read each other's outputs, without inertia. The numbers are the same without a compiler."""
+        if not self.compiled or not has_groups(self.model):
             return False
         try:
             compiled_outputs(self.model, np.array(self.model.y.shown, dtype=int).tobytes())

@@ -99,7 +99,7 @@ def test_load_paths_and_payloads_keep_their_rows(monkeypatch: Patch) -> None:
     assert caught.value.result.attrs["units"]["carriage_x"] == "m"
     monkeypatch.undo()
     whole = rw.payload(rig, stations=stations[:3]).frame
-    ctrl_c_at(monkeypatch, Stations, "solve", 25)
+    ctrl_c_at(monkeypatch, Stations, "solve", 15)
     with pytest.raises(rw.Interrupted) as caught:
         rw.payload(rig, stations=stations[:3])
     rows = caught.value.result

@@ -70,11 +70,6 @@ def load_path(
           tailspar_lean, for each guyline `NAME_tension` at the top
         - for a log suspension (partial or full), ground_force, dropline_tension, front_clearance
 
-    Warns
-    -----
-    RopewayWarning
-        A rope is above its minimum breaking load.
-
     Raises
     ------
     InputError
@@ -83,6 +78,11 @@ def load_path(
         There is no equilibrium at a station.
     CompiledError, CompilerError, WriteError
         Of `compiled`: the core does not support this rig, has no compiler, or its cache cannot be written.
+
+    Warns
+    -----
+    RopewayWarning
+        A rope is above its minimum breaking load.
 
     Examples
     --------

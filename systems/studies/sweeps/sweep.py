@@ -228,5 +228,5 @@ def _require_fitting(study: Study, cases: pd.DataFrame) -> None:
     """Raises InputError for a function that does not take the parameters."""
     try:
         signature(study).bind(**cases.iloc[0].to_dict())
-    except TypeError as error:
+    except (TypeError, ValueError) as error:  # ValueError: built in, without a signature
         raise InputError(f"The study does not take these parameters: {error}", "Name them as it does") from error

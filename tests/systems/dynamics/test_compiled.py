@@ -174,3 +174,19 @@ def test_threads_on_one_model_give_identical_results() -> None:
     alone = run(0)
     with ThreadPoolExecutor(8) as pool:
         assert set(pool.map(run, range(8))) == {alone}
+
+
+def test_drives_that_share_a_power_unit() -> None:
+    """IDAS integrates them; the quantities of the unit are sums over its drives."""
+    drive = rw.HydraulicDrive(
+        displacement=1e-4, gear_ratio=20.0, sheave_radius=0.6, relief_pressure=3e7, pump_flow=0.02, engine_power=2e5,
+        inertia=500.0, drag=200.0,
+    )  # fmt: skip
+    system = line(drive)
+    unit = system.add(rw.HydraulicPowerUnit("unit", pump_flow=4e-3, engine_power=2e4))
+    for name in ("c2", "c5"):
+        system.connect(system.components[name].supply, unit.outlet)
+    runs = [rw.simulate(system, 4.0, compiled=compiled, tolerance=1e-8) for compiled in (True, False)]
+    require_alike(*runs)
+    shares = [run.frame[["unit.flow_share", "unit.flow_demand"]].to_numpy() for run in runs]
+    np.testing.assert_allclose(shares[0], shares[1], rtol=1e-6)

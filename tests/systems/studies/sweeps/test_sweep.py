@@ -328,3 +328,8 @@ def test_latin_hypercube_has_one_sample_in_each_part() -> None:
         rw.latin_hypercube({"a": (1.0, 2.0)}, 0)
     with pytest.raises(rw.InputError, match="finite"):
         rw.latin_hypercube({"a": (1.0, np.inf)}, 3)
+
+
+def test_a_study_without_a_signature_is_refused() -> None:
+    with pytest.raises(rw.InputError, match="does not take these parameters"):
+        rw.sweep(range, {"x": [1.0]}, workers=1)
