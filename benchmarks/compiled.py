@@ -1,5 +1,5 @@
 """The compiled core against the same work without it, in one run: simulation, equilibria, sweeps, an FMU, studies of
-rigs, and the work of the spans in C written by hand, which is the limit.
+rigs, long lines, and the work of the spans in C written by hand, which is the limit.
 
     python benchmarks/compiled.py
     python benchmarks/compiled.py --spans 20 --until 600
@@ -227,6 +227,7 @@ def main(
     )
     measured("the example line", example, until)
     one_hour(100)
+    growth((250, 500, 1000, 2000), 60.0)
     sweeps(cases)
     rigs()
 
