@@ -14,6 +14,7 @@ from __future__ import annotations
 import ctypes
 import tempfile
 import time
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
@@ -128,6 +129,27 @@ def one_hour(spans: int) -> None:
 
     spent = least(hour, 2)
     print(f"one hour of driven({spans}) with hydraulic drives: {spent:.2f} s, {3600.0 / spent:.0f} times real time")
+
+
+def growth(sizes: tuple[int, ...], until: float) -> None:
+    """Compiled runs of long lines: time and memory of the result for each span and simulated second."""
+    for spans in sizes:
+        model = rw.assemble(lines.driven(spans))
+        start = rw.equilibrium(model, compiled=True)
+
+        def run(model: rw.Model = model, start: rw.Equilibrium = start) -> rw.Result:
+            return rw.simulate(model, until, start=start, compiled=True, progress=False)
+
+        run()
+        spent = least(run, 3)
+        tracemalloc.start()
+        kept = run()
+        size, _ = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        print(
+            f"driven({spans}), {until:g} s, {len(kept.records)} records: {spent:.3f} s, "
+            f"{1e6 * spent / spans / until:.2f} us and {size / spans / until:.0f} bytes for each span and second"
+        )
 
 
 def equilibria(spans: int) -> None:
