@@ -1,8 +1,8 @@
 """IDAS on a model, over a time without events.
 
-Time is normalised, t = t0 + tau h with h a parameter, so that one integrator serves every step, also backwards. What the
-initial rates do not explain is integrated, w = x - h tau x'0 and likewise z: its rates are zero at first, so that IDAS
-needs no initialisation; its first prediction is of second order. Inputs are linear in time.
+Time is normalised, t = t0 + tau h with h a parameter, so that one integrator serves every step, also backwards. What
+the initial rates do not explain is integrated, w = x - h tau x'0 and likewise z: its rates are zero at first, so that
+IDAS needs no initialisation; its first prediction is of second order. Inputs are linear in time.
 
 The travel of a drive whose speed is commanded is a known function of time, and is not integrated: it does not drift.
 """
@@ -44,11 +44,9 @@ class Stretch(NamedTuple):
 SLOW, OSCILLATING = Stretch(0.005, 1.0, 1.0, True), Stretch(1.0, 0.02, 10.0, False)
 
 
-def _scaled_moves(
-    model: Model, arguments: Sequence[Any], h: Any, order: tuple[np.ndarray, np.ndarray]
-) -> list[Any]:
-    """Derivatives of the rates and of the scaled algebraic equations, by the states and then by the algebraic variables;
-    `order` of the equations and of these."""
+def _scaled_moves(model: Model, arguments: Sequence[Any], h: Any, order: tuple[np.ndarray, np.ndarray]) -> list[Any]:
+    """Derivatives of the rates and of the scaled algebraic equations, by the states and then by the algebraic
+    variables; `order` of the equations and of these."""
     rates_by_x, rates_by_z, *algebraic = derivatives(model).call(arguments)
     by_x, by_z = (own * ca.DM(own.sparsity(), 1.0 / model.r.nominals[own.sparsity().row()]) for own in algebraic)
     rows, columns = (part.tolist() for part in order)
