@@ -63,8 +63,8 @@ class InertialLine(LineStepper):
         return found
 
     def solve(self, stop: float) -> LineMotion:
-        """Solves the algebraic variables, unless they are solved. Their rates are given as zero, see `solve_rates`: IDAS
-        does not need them, and they are infinite where a wind rises from nothing. Raises EquilibriumError."""
+        """Solves the algebraic variables, unless they are solved. Their rates are given as zero, see `solve_rates`:
+        IDAS does not need them, and they are infinite where a wind rises from nothing. Raises EquilibriumError."""
         if self._solved is None or not _equal(self._solved, self.state.point):
             enough = float(np.clip(_SOLVED * self.tolerance, *_RESIDUALS))
             newton_of(self.state.model).solve(self.state.point, enough=enough)
