@@ -89,6 +89,12 @@ class ComponentFunctions:
         key = ("closure", *_form(span, site, variables))
         return self._known(key, lambda: closure_function(span, variables, weather=site.weather))
 
+    def moves(self, component: Component, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
+        """Derivatives of a component's rates, residuals and forces by its states, algebraic variables and ports, of the
+        same inputs as its equations."""
+        key = ("moves", *_form(component, site, variables))
+        return self._known(key, lambda: _moves_function(self.get(component, site, variables)))
+
     def _known(self, key: tuple[Hashable, ...], make: Callable[[], ca.Function]) -> ca.Function:
         stop_if_interrupted()
         if key not in self._functions:
@@ -163,6 +169,8 @@ def component_function(component: Component, variables: tuple[Variable, ...], *,
         stacked(Kind.OUTPUT, eq.outputs),
         *forces,
     ]
+    if component.inertial and not component.external:
+        results = ca.cse(results)
     found = ca.Function(type(component).__name__, inputs, results)
     if not component.external:
         kinds = (Kind.STATE, Kind.RESIDUAL, Kind.OUTPUT)
@@ -178,6 +186,15 @@ def closure_function(span: Span, variables: tuple[Variable, ...], *, weather: bo
     closure = ca.vertcat(*span.equations(v).residuals.values())
     columns = [ca.vertcat(*column) for column in span.closure_moves(v)]
     return ca.Function("closure", inputs, ca.cse([closure, ca.horzcat(*columns)]))
+
+
+def _moves_function(equations: ca.Function) -> ca.Function:
+    """The derivatives of a `component_function` that are of interest: see `ComponentFunctions.moves`."""
+    inputs = equations.sx_in()
+    rates, residuals, _, *forces = equations.call(inputs)
+    _, _, x, z, _, _, _, _, *ports = inputs
+    found = ca.jacobian(ca.vertcat(rates, residuals, *forces), ca.vertcat(x, z, *ports))
+    return ca.Function("moves", inputs, [ca.cse(found)])
 
 
 def force_function(span: Span, variables: tuple[Variable, ...], *, weather: bool) -> ca.Function:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import casadi as ca
+import numpy as np
 
 from ropeway.components.component import Component, RopeEnd, Seat
 from ropeway.components.errors import UnbalancedSystemError
@@ -18,11 +20,21 @@ from ropeway.systems.modelling.component_functions import INERTIA, SYMBOLS, Comp
 from ropeway.systems.modelling.connections.signals import differences
 from ropeway.systems.modelling.model_tables import VariableTable, shared_places
 from ropeway.systems.modelling.rope_path import Run, drive_speeds
-from ropeway.systems.modelling.structure import Closures, Structure
+from ropeway.systems.modelling.structure import Closures, Nested, Structure
 from ropeway.systems.modelling.system import System
 
 _RATES, _RESIDUALS, _OUTPUTS, _FORCES = 0, 1, 2, 3
 """Positions in the results of a component's function. The forces of its rope ends follow from the last one on."""
+
+
+class _Parts(NamedTuple):
+    """Results of a span with inertia but its outputs, their symbols in the equations, the quantities on which they
+    depend, and their derivatives by these."""
+
+    results: ca.MX
+    symbols: ca.MX
+    quantities: ca.MX
+    derivatives: ca.MX
 
 
 class EquationGraph:
@@ -49,6 +61,7 @@ class EquationGraph:
         self.results: dict[str, Sequence[ca.MX]] = {}
         self.force_on: dict[tuple[str, str], ca.MX] = {}
         self.external: dict[ca.MX, ca.MX] = {}
+        self.parts_of: dict[str, _Parts] = {}
 
     def structure(self) -> Structure:
         """The equations. Raises InputError."""
@@ -61,6 +74,10 @@ class EquationGraph:
         ode, y = (ca.vertcat(ca.MX(0, 1), *(self.results[n][i] for n in self.variables)) for i in (_RATES, _OUTPUTS))
         alg = self._residuals(y, {name: results[_RESIDUALS] for name, results in self.results.items()})
         arguments = [self.time, *(self.vectors[kind] for kind in SYMBOLS)]
+        nested = self._nested(arguments, ode, alg)
+        if self.parts_of:
+            symbols, results = ([own[i] for own in self.parts_of.values()] for i in (1, 0))
+            ode, alg, y = ca.substitute([ode, alg, y], symbols, results)
         if self.external:  # the remaining equations as one scalar graph
             scalar_graph = ca.Function("rest", [*arguments, *self.external], [ode, alg, y]).expand()
             ode, alg, y = scalar_graph(*arguments, *self.external.values())
@@ -68,7 +85,20 @@ class EquationGraph:
         stop_if_interrupted()
         dae = ca.Function("dae", arguments, [ode, alg], names, ["ode", "alg"])
         stop_if_interrupted()
-        return Structure(dae, ca.Function("outputs", arguments, [y], names, ["y"]), self._closures(ode, y))
+        return Structure(dae, ca.Function("outputs", arguments, [y], names, ["y"]), self._closures(ode, y), nested)
+
+    def _nested(self, arguments: Sequence[ca.MX], ode: ca.MX, alg: ca.MX) -> Nested | None:
+        """The equations on the symbols of the spans' results."""
+        if self.external or not self.parts_of:
+            return None
+        results, symbols, quantities, derivatives = zip(*self.parts_of.values(), strict=True)
+        seen = ca.vertcat(*symbols)
+        known = ca.MX.sym("parts", seen.numel())
+        ends = np.cumsum([0, *(own.numel() for own in symbols)]).tolist()
+        found = ca.substitute([ode, alg], list(symbols), ca.vertsplit(known, ends))
+        outer = ca.Function("outer", [*arguments, known], [*found, ca.vertcat(*quantities)])
+        inner = ca.Function("inner", arguments, [ca.vertcat(*results), ca.diagcat(*derivatives)])
+        return Nested(outer, inner)
 
     def _closures(self, ode: ca.MX, outputs: ca.MX) -> Closures | None:
         """The closures of spans in calm, with their derivatives."""
@@ -95,8 +125,23 @@ class EquationGraph:
             if not any(isinstance(port, RopeEnd) for port in c.ports):
                 continue
             self.results[c.name] = self._call(c, ca.MX(0, 1), self._ends(c))
+            if c.inertial and not c.external:
+                self._take_apart(c)
             seats = [self.system.connections[c.name, port.name] for port in c.ports]
             self.force_on.update(zip(seats, self.results[c.name][_FORCES:], strict=True))
+
+    def _take_apart(self, component: Component) -> None:
+        """Puts symbols in place of the results of a rope with inertia, but its outputs."""
+        name, ends = component.name, self._ends(component)
+        rates, residuals, outputs, *forces = self.results[name]
+        moves = self.component_functions.moves(component, self.sites[name], self.variables[name])
+        own = [rates, residuals, *forces]
+        symbols = ca.MX.sym(name, sum(part.numel() for part in own))
+        split = ca.vertsplit(symbols, np.cumsum([0, *(part.numel() for part in own)]).tolist())
+        quantities = ca.vertcat(*(self.parts[kind][name] for kind in (Kind.STATE, Kind.ALGEBRAIC)), *ends)
+        derivatives = moves.call(self._inputs(component, ca.MX(0, 1), ends))[0]
+        self.parts_of[name] = _Parts(ca.vertcat(*own), symbols, quantities, derivatives)
+        self.results[name] = [split[0], split[1], outputs, *split[2:]]
 
     def _ends(self, component: Component) -> list[ca.MX]:
         """Position and travel of the rope at the seats of a component's rope ends."""

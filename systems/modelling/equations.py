@@ -94,6 +94,28 @@ def equations(model: Model, arguments: Sequence[Any], *, closed: bool = True) ->
 
 
 @kept_with_structure
+def derivatives(model: Model) -> ca.Function:
+    """(t, x, z, u, p, d) -> derivatives of the rates by x and by z, and of the algebraic equations by x and by z."""
+    dae = expanded(model)
+    symbols = dae.mx_in() if model.external else dae.sx_in()
+    known, count = ca.vertcat(symbols[1], symbols[2]), [0, len(model.x), len(model.x) + len(model.z)]
+    nested = model.structure.nested
+    if nested is None:
+        found = ca.jacobian(ca.vertcat(*dae.call(symbols)), known)
+    else:
+        outer = scalar(model, nested.outer)
+        seen = outer.sx_in()
+        ode, alg, quantities = outer.call(seen)
+        every = ca.vertcat(ode, alg)
+        wanted = [ca.jacobian(every, seen[-1]), *(ca.jacobian(v, ca.vertcat(*seen[1:3])) for v in (every, quantities))]
+        parts, own = scalar(model, nested.inner).call(symbols)
+        by_parts, alone, moved = ca.Function("outer_moves", seen, wanted).call([*symbols, parts])
+        found = ca.sparsify(alone + ca.mtimes(by_parts, ca.mtimes(own, moved)))
+    blocks = ca.blocksplit(found, count, count)
+    return ca.Function("derivatives", symbols, [block for row in blocks for block in row])
+
+
+@kept_with_structure
 def expanded(model: Model) -> ca.Function:
     """The model's equations for numerical work."""
     return scalar(model, model.dae)

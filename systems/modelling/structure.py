@@ -44,24 +44,36 @@ class Closures:
 
 
 @dataclass(frozen=True, eq=False)
+class Nested:
+    """Equations with inertia, in which `parts`, the results of each span, depend on few `quantities`: `outer`
+    (t, x, z, u, p, d, parts) -> (ode, alg, quantities), and `inner` (t, x, z, u, p, d) -> (parts, and their derivatives
+    by the quantities). Spans of one kind share these derivatives, which are therefore built fast."""
+
+    outer: ca.Function
+    inner: ca.Function
+
+
+@dataclass(frozen=True, eq=False)
 class Structure:
     """Equations of a model, (t, x, z, u, p, d) -> (ode, alg) and -> y, and what is `derived` from them alone;
-    `closures`: those of them with derivatives in closed form; `compiled`: whether solvers use compiled code."""
+    `closures`: those of them with derivatives in closed form; `nested`: how those with inertia depend on their spans;
+    `compiled`: whether solvers use compiled code."""
 
     dae: ca.Function
     outputs: ca.Function
     closures: Closures | None = None
+    nested: Nested | None = None
     compiled: bool = False
     derived: dict[Hashable, Any] = field(default_factory=dict)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Structure, (self.dae, self.outputs, self.closures, self.compiled)
+        return Structure, (self.dae, self.outputs, self.closures, self.nested, self.compiled)
 
     def in_code(self, *, compiled: bool) -> Structure:
         """The same equations, for solvers that use compiled code or not."""
         if compiled == self.compiled:
             return self
-        other = Structure(self.dae, self.outputs, self.closures, compiled, {"other": self})
+        other = Structure(self.dae, self.outputs, self.closures, self.nested, compiled, {"other": self})
         found: Structure = self.derived.setdefault("other", other)
         return found
 

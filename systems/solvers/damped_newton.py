@@ -12,6 +12,8 @@ from ropeway.systems.modelling.dae_model import component_of
 
 _SMALL = 1e-11
 """Scaled residual of a root."""
+_NEAR = 0.1
+"""Step after which a residual that is enough can be reached: a nearly linear system comes nearer than steps predict."""
 _STAGNANT = 20
 """Number of iterations after which small steps at a root are taken for its rounding error."""
 
@@ -23,8 +25,10 @@ def damped(
     names: Sequence[str],
     iterations: int = 50,
     shortest: float = 1e-7,
+    enough: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Newton's method from `v`, damped where the residual does not fall.
+    """Newton's method from `v`, damped where the residual does not fall, to the rounding error or to a residual that is
+    `enough`.
 
     step(v): residual (n,) and the solutions of the linear system for it and for more right-hand sides, one
     after the other; value(v): residual alone. Returns the root and the last of these solutions. `names` of
@@ -55,6 +59,8 @@ def damped(
             return v - move, sides  # stiff: rounding errors of the unknowns move the others by more than a root's steps
         # Convergence is quadratic: the next step would be about size * (size / last)^2.
         coming = size * (size / last) * (size / last) if np.isfinite(last) else 100.0 * size * size
+        if enough > 0.0 and size <= _NEAR and np.abs(value(v - move)).max() <= enough:
+            return v - move, sides
         if min(size, coming) <= 1e-12 or after <= 1e-15 * np.sqrt(n):
             if last < 1e-2 and size <= 1e-3 * last and after <= 1e-6:  # seen over two full steps
                 return v - move, sides

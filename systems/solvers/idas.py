@@ -1,23 +1,23 @@
 """IDAS on a model, over a time without events.
 
-Time is normalised, t = t0 + tau h with h a parameter, so that one integrator serves every step, also backwards. The
-scaled deviations from the straight line with the initial rates are integrated, x = x0 + h tau x'0 + w and likewise z:
-they and their rates are zero at first, so that IDAS needs no initialisation; its first prediction is of second order.
-Inputs are linear in time.
+Time is normalised, t = t0 + tau h with h a parameter, so that one integrator serves every step, also backwards. What
+the initial rates do not explain is integrated, w = x - h tau x'0 and likewise z: its rates are zero at first, so that
+IDAS needs no initialisation; its first prediction is of second order. Inputs are linear in time.
 
 The travel of a drive whose speed is commanded is a known function of time, and is not integrated: it does not drift.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
 
 from ropeway.components.errors import SimulationError
 from ropeway.systems.modelling.dae_model import Model
-from ropeway.systems.modelling.equations import expanded
+from ropeway.systems.modelling.equations import derivatives, expanded
 from ropeway.systems.solvers.model_functions import Buffered, banded_order
 from ropeway.systems.solvers.points import Point
 from ropeway.systems.solvers.prescribed_states import commanded_of
@@ -31,15 +31,33 @@ def strict(tolerance: float, share: float) -> float:
 class Stretch(NamedTuple):
     """How a stretch is integrated: `share` of the tolerance that one step may use, the `first` step, a part of the
     stretch, and by how many times that share Newton's iteration may miss the algebraic variables, which have no part in
-    the error of a step. A quasi-static line changes slowly, so that its stretches are one step; one with inertia
-    oscillates, and its algebraic variables are solved again at the end of a stretch."""
+    the error of a step; `follows`: whether the rates of the algebraic variables at the start are known. A quasi-static
+    line changes slowly, so that its stretches are one step; one with inertia oscillates, and its algebraic variables
+    are solved again at the end of a stretch."""
 
     share: float
     first: float
     slack: float
+    follows: bool
 
 
-SLOW, OSCILLATING = Stretch(0.005, 1.0, 1.0), Stretch(1.0, 0.02, 10.0)
+SLOW, OSCILLATING = Stretch(0.005, 1.0, 1.0, True), Stretch(1.0, 0.02, 10.0, False)
+
+
+def _scaled_moves(model: Model, arguments: Sequence[Any], h: Any, order: tuple[np.ndarray, np.ndarray]) -> list[Any]:
+    """Derivatives of the rates and of the scaled algebraic equations, by the states and then by the algebraic
+    variables; `order` of the equations and of these."""
+    rates_by_x, rates_by_z, *algebraic = derivatives(model).call(arguments)
+    by_x, by_z = (own * ca.DM(own.sparsity(), 1.0 / model.r.nominals[own.sparsity().row()]) for own in algebraic)
+    rows, columns = (part.tolist() for part in order)
+    return [h * rates_by_x, by_x[rows, :], h * rates_by_z[:, columns], by_z[rows, columns]]
+
+
+def _jacobian(given: dict[str, Any], moves: list[Any]) -> ca.Function:
+    """The function by this name that CasADi's integrators have, so that they do not build it by differentiation."""
+    names = ["jac_ode_x", "jac_alg_x", "jac_ode_z", "jac_alg_z"]
+    inputs = [*given.values(), type(given["t"])(0, 1)]
+    return ca.Function("jacF", inputs, moves, [*given, "u"], names)
 
 
 class Idas:
@@ -51,39 +69,37 @@ class Idas:
         nx, nz, nu = len(model.x), len(model.z), len(model.u)
         sym = model.sym
         w, unknowns, tau = sym("w", nx), sym("zeta", nz), sym("tau")
-        start, h = sym("t0"), sym("h")
-        x0, x_rate, z0, z_rate = (sym(n, k) for n, k in (("x0", nx), ("dx", nx), ("z0", nz), ("dz", nz)))
+        start, h, x_rate, z_rate = sym("t0"), sym("h"), sym("dx", nx), sym("dz", nz if stretch.follows else 0)
         u, slope = sym("u", nu), sym("slope", nu)
         p, d = sym("p", len(model.p)), sym("d", len(model.d))
         # IDAS's linear solver does not reorder rows and columns: see `banded_order`.
         dae = expanded(model)
         rows, columns = banded_order(dae.jac_sparsity(1, 2))
-        self._places = np.argsort(columns)
-        zeta = unknowns[self._places.tolist()]
+        self._columns, self._places = columns, np.argsort(columns)
         passed = tau * h
-        x = x0 + passed * x_rate + w * model.x.nominals
-        z = z0 + passed * z_rate + zeta * (stretch.slack * model.z.nominals)
-        ode, alg = dae(start + passed, x, z, u + slope * passed, p, d)
-        if stretch is OSCILLATING and not model.external:
-            ode, alg = ca.cse([ode, alg])
-        knowns = ca.vertcat(start, h, x0, x_rate, z0, z_rate, u, slope, p, d)
+        x, z = w + passed * x_rate, unknowns[self._places.tolist()]
+        if stretch.follows:
+            z += passed * z_rate
+        arguments = (start + passed, x, z, u + slope * passed, p, d)
+        ode, alg = dae(*arguments)
+        knowns = ca.vertcat(start, h, x_rate, z_rate, u, slope, p, d)
         # IDAS tests the mean error over all variables, of which only the states count.
         tight = strict(tolerance, stretch.share) * float(np.sqrt(max(nx, 1) / (nx + nz)))
+        given = {"t": tau, "x": w, "z": unknowns, "p": knowns}
+        moves = _scaled_moves(model, arguments, h, (rows, columns))
+        scale = np.concatenate([model.x.nominals, stretch.slack * model.z.nominals[columns]])
         integrator = ca.integrator(
             "idas",
             "idas",
             {
-                "t": tau,
-                "x": w,
-                "z": unknowns,
-                "p": knowns,
-                "ode": h * (ode - x_rate) / model.x.nominals,
+                **given,
+                "ode": h * (ode - x_rate),
                 "alg": (alg / model.r.nominals)[rows.tolist()],
             },
             0.0,
             1.0 if count == 1 else [(i + 1) / count for i in range(count)],
             {
-                "abstol": tight,
+                "abstolv": (tight * scale).tolist(),
                 "reltol": 0.0,
                 # z is solved, not integrated: its error is that of Newton's method.
                 "suppress_algebraic": True,
@@ -93,17 +109,18 @@ class Idas:
                 "step0": stretch.first,
                 "max_num_steps": 100_000,
                 "disable_internal_warnings": True,
+                "cache": {"jacF": _jacobian(given, moves)},
             },
         )
         self._f = Buffered(integrator)
         self._commanded = commanded_of(model)
-        self._zero = np.zeros(nx), np.zeros(nz)
-        self._scale = stretch.slack * model.z.nominals
+        self._follows = stretch.follows
 
     def advance(
         self, point: Point, h: float, x_rate: np.ndarray, z_rate: np.ndarray, slope: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """States and algebraic variables `h` seconds after a consistent point with its rates [per s].
+        """States and algebraic variables `h` seconds after a consistent point with its rates [per s]; those of the
+        algebraic variables are not used where they oscillate.
 
         Raises SimulationError.
         """
@@ -114,10 +131,11 @@ class Idas:
         self, point: Point, h: float, x_rate: np.ndarray, z_rate: np.ndarray, slope: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """As `advance`, at all points of the stretch: (count, nx) and (count, nz)."""
-        m, passed = self.model, h * np.arange(1, self.count + 1) / self.count
-        knowns = np.concatenate([[point.t, h], point.x, x_rate, point.z, z_rate, point.u, slope, point.p, point.d])
+        passed = h * np.arange(1, self.count + 1) / self.count
+        z_rate = z_rate if self._follows else np.zeros(0)
+        knowns = np.concatenate([[point.t, h], x_rate, z_rate, point.u, slope, point.p, point.d])
         try:
-            end = self._f(self._zero[0], self._zero[1], knowns)
+            end = self._f(point.x, point.z[self._columns], knowns)
         except RuntimeError as error:
             reason = str(error).strip().splitlines()[-1]
             raise SimulationError(
@@ -125,7 +143,7 @@ class Idas:
                 "Check the last result for a slack rope or a load that stands on a support; or take a larger tolerance",
                 point.t,
             ) from error
-        x = point.x + passed[:, None] * x_rate + end[0].reshape(self.count, -1) * m.x.nominals
+        x = end[0].reshape(self.count, -1) + passed[:, None] * x_rate
         self._commanded.put(x, point, passed, slope)
         z = end[1].reshape(self.count, -1)[:, self._places]
-        return x, point.z + passed[:, None] * z_rate + z * self._scale
+        return x, z + passed[:, None] * z_rate if self._follows else z

@@ -130,7 +130,14 @@ class NewtonFunctions:
         return self.matrix(*inputs)[0].copy()
 
     def solve(
-        self, inputs: NewtonInputs, names: Sequence[str], iterations: int, shortest: float, *, rates: bool
+        self,
+        inputs: NewtonInputs,
+        names: Sequence[str],
+        iterations: int,
+        shortest: float,
+        enough: float,
+        *,
+        rates: bool,
     ) -> tuple[np.ndarray, np.ndarray]:
         """The root from the unknowns of `inputs`, and the rates of the unknowns, scaled. Raises EquilibriumError."""
         n, known, function = len(inputs.unknowns), inputs[1:], self.step_and_rates if rates else self.step
@@ -142,7 +149,7 @@ class NewtonFunctions:
         def value(v: np.ndarray) -> np.ndarray:
             return self.value(v, *known)[0]
 
-        v, sides = damped(inputs.unknowns, step, value, names, iterations, shortest)
+        v, sides = damped(inputs.unknowns, step, value, names, iterations, shortest, enough)
         return v, -sides[n:]
 
     @cached_property

@@ -29,7 +29,14 @@ class Functions(Protocol):
         """The entries of the Jacobian."""
 
     def solve(
-        self, inputs: NewtonInputs, names: Sequence[str], iterations: int, shortest: float, *, rates: bool
+        self,
+        inputs: NewtonInputs,
+        names: Sequence[str],
+        iterations: int,
+        shortest: float,
+        enough: float,
+        *,
+        rates: bool,
     ) -> tuple[np.ndarray, np.ndarray]:
         """The root from the unknowns of `inputs`, and the rates of the unknowns, scaled. Raises EquilibriumError."""
 
@@ -88,12 +95,14 @@ class Newton:
         damping: float = 0.0,
         iterations: int = 50,
         shortest: float = 1e-7,
+        enough: float = 0.0,
     ) -> np.ndarray | None:
         """Solves in place. With `slope` (nu,), the rates of the inputs, returns those of the algebraic
         variables [per s], shape (nz,), as the states move on.
 
         A step is shortened to a share of at least `shortest`. With `damping` above 0 each idler's travel is held back
-        in proportion to its move from the start.
+        in proportion to its move from the start. A scaled residual of `enough` is
+        taken for a root.
         Raises EquilibriumError; the point is unchanged then.
         """
         n = len(self.scale)
@@ -106,7 +115,9 @@ class Newton:
             inputs = inputs._replace(target=target)
         if slope is not None:
             inputs = inputs._replace(slope=slope)
-        v, rates = self.functions.solve(inputs, self.model.r.names, iterations, shortest, rates=slope is not None)
+        v, rates = self.functions.solve(
+            inputs, self.model.r.names, iterations, shortest, enough, rates=slope is not None
+        )
         self._put(v, point)
         return None if slope is None else rates[: len(point.z)] * self.model.z.nominals
 

@@ -16,6 +16,7 @@ from ropeway.systems.dynamics.line_stepper import LineMotion, LineStepper, Signa
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.solvers.idas import OSCILLATING, Idas
 from ropeway.systems.solvers.newton import newton_of
+from ropeway.systems.solvers.points import VECTORS, Point
 from ropeway.systems.statics.line_state import LineState
 
 _FIRST, _SHORTEST = 0.5, 1e-5
@@ -26,6 +27,8 @@ _AIMED, _ACCEPTED, _GROWTH = 10.0, 100.0, 10.0
 """Errors of interpolation that are aimed at and accepted, as multiples of the tolerance of the states, and the largest
 growth of stretches."""
 
+_SOLVED, _RESIDUALS = 1e-6, (1e-11, 1e-10)
+"""Scaled residual of a root as a share of the tolerance of the states, and its limits."""
 _VALUES, _COUNTS = 100_000, (50, 200)
 """States at all points of a stretch, and least and largest number of points."""
 
@@ -34,6 +37,9 @@ class InertialLine(LineStepper):
     """A line with inertia and the signals of its inputs; those that are rates of others follow from these."""
 
     _ahead: SolvedStretch | None
+    _solved: Point | None = None
+    """The point that was solved last, which has the rates `_motion`."""
+    _motion: LineMotion
 
     def __init__(self, state: LineState, signals: Sequence[Signal], tolerance: float) -> None:
         self.guard = ChatterGuard(sum(len(run.nodes) for run in state.runs))
@@ -57,10 +63,13 @@ class InertialLine(LineStepper):
         return found
 
     def solve(self, stop: float) -> LineMotion:
-        """Solves the algebraic variables. Their rates, which IDAS does not need and which can be infinite where a wind
-        rises, are given as zero: see `solve_rates`. Raises EquilibriumError."""
-        newton_of(self.state.model).solve(self.state.point)
-        return self.motion(np.zeros_like(self.state.point.z))
+        """Solves the algebraic variables, unless they are solved. Their rates are given as zero, see `solve_rates`:
+        IDAS does not need them, and they are infinite where a wind rises from nothing. Raises EquilibriumError."""
+        if self._solved is None or not _equal(self._solved, self.state.point):
+            enough = float(np.clip(_SOLVED * self.tolerance, *_RESIDUALS))
+            newton_of(self.state.model).solve(self.state.point, enough=enough)
+            self._solved, self._motion = self.state.point.copy(), self.motion(np.zeros_like(self.state.point.z))
+        return self._motion
 
     def solve_rates(self, stop: float) -> LineMotion:
         """As `solve`, with the rates of the algebraic variables."""
@@ -111,6 +120,10 @@ def oscillating_idas_of(model: Model, tolerance: float) -> Idas:
     """The integrator of a model with inertia. It gives more points of small models: they cost less, and the stretches
     are longer."""
     return Idas(model, tolerance, OSCILLATING, int(np.clip(_VALUES // max(len(model.x), 1), *_COUNTS)))
+
+
+def _equal(a: Point, b: Point) -> bool:
+    return a.t == b.t and all(np.array_equal(a.vector(kind), b.vector(kind)) for kind in VECTORS)
 
 
 def _rate_after(signal: Signal, t: float) -> float:

@@ -26,6 +26,9 @@ from ropeway.systems.statics.load_positions import unpin
 _DIFFERENCE = 1e-4
 """Time over which velocities are differences of places [s]."""
 
+_SLACK = 1.005
+"""By how much the rope between two supports can become longer, before it needs more slots than at the start."""
+
 JOINED = 0.1
 """Loads that hang nearer together than this move together [m]."""
 
@@ -153,7 +156,7 @@ def _slots(state: LineState, r: int) -> tuple[int, ...]:
     count = beyond[:-1] - beyond[1:]
     gaps = np.diff(-run.loads.place)
     if run.moves and np.any(gaps > JOINED):
-        fit = np.ceil(1.02 * np.diff(state.rope(r)) / gaps[gaps > JOINED].min()).astype(int)
+        fit = np.ceil(_SLACK * np.diff(state.rope(r)) / gaps[gaps > JOINED].min()).astype(int)
         count = np.maximum(count, np.minimum(fit, len(run.loads.place)))
     return tuple(int(n) for n in count)
 

@@ -58,9 +58,17 @@ class CompiledFunctions:
         return self.plain.matrix(problem, inputs.unknowns)
 
     def solve(
-        self, inputs: NewtonInputs, names: Sequence[str], iterations: int, shortest: float, *, rates: bool
+        self,
+        inputs: NewtonInputs,
+        names: Sequence[str],
+        iterations: int,
+        shortest: float,
+        enough: float,
+        *,
+        rates: bool,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """The root from the unknowns of `inputs`, and the rates of the unknowns, scaled. Raises EquilibriumError."""
+        """The root from the unknowns of `inputs`, and the rates of the unknowns, scaled; always as accurate as rounding
+        allows. Raises EquilibriumError."""
         net = self.with_rates if rates else self.plain
         problem, _kept = self._problem(net, inputs)
         problem.iterations, problem.shortest, problem.rates = iterations, shortest, rates
