@@ -1,5 +1,5 @@
 """The compiled core against the same work without it, in one run: simulation, equilibria, sweeps, an FMU, studies of
-rigs, and the work of the spans in C written by hand, which is the limit.
+rigs, long lines, and the work of the spans in C written by hand, which is the limit.
 
     python benchmarks/compiled.py
     python benchmarks/compiled.py --spans 20 --until 600
@@ -14,6 +14,7 @@ from __future__ import annotations
 import ctypes
 import tempfile
 import time
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
@@ -130,6 +131,27 @@ def one_hour(spans: int) -> None:
     print(f"one hour of driven({spans}) with hydraulic drives: {spent:.2f} s, {3600.0 / spent:.0f} times real time")
 
 
+def growth(sizes: tuple[int, ...], until: float) -> None:
+    """Compiled runs of long lines: time and memory of the result for each span and simulated second."""
+    for spans in sizes:
+        model = rw.assemble(lines.driven(spans))
+        start = rw.equilibrium(model, compiled=True)
+
+        def run(model: rw.Model = model, start: rw.Equilibrium = start) -> rw.Result:
+            return rw.simulate(model, until, start=start, compiled=True, progress=False)
+
+        run()
+        spent = least(run, 3)
+        tracemalloc.start()
+        kept = run()
+        size, _ = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        print(
+            f"driven({spans}), {until:g} s, {len(kept.records)} records: {spent:.3f} s, "
+            f"{1e6 * spent / spans / until:.2f} us and {size / spans / until:.0f} bytes for each span and second"
+        )
+
+
 def equilibria(spans: int) -> None:
     """Warm equilibria, and a sweep."""
     model = rw.assemble(lines.driven(spans))
@@ -205,6 +227,7 @@ def main(
     )
     measured("the example line", example, until)
     one_hour(100)
+    growth((250, 500, 1000, 2000), 60.0)
     sweeps(cases)
     rigs()
 

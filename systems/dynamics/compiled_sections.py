@@ -61,7 +61,7 @@ class CompiledSections(SectionIntegrator):
         crossed, limits = -np.inf, self._limits()
         while True:
             core = line.moving
-            core.at(line.state, window.at(line.time)[1], motion.z, line.slope(stop))
+            core.at(line.state, window.at(line.time)[1], motion.z, line.slope(stop), self.recorder.chain)
             code = core.move(window, end, strict=strict, crossed=crossed, short=line.tiny)
             crossed = core.motion.crossed
             motion = self._taken_over()
@@ -118,7 +118,8 @@ class CompiledSections(SectionIntegrator):
             if len(agenda.ticks) and compiled_clocks(state.model) is None:
                 break
             bends = line.bends(float(max([*agenda.grid[-1:], *([agenda.last] if np.isfinite(agenda.last) else [])])))
-            core.at(state, np.zeros(len(state.point.x)), np.zeros(len(state.point.z)), bends.slope[0])
+            nothing = np.zeros(len(state.point.x)), np.zeros(len(state.point.z))
+            core.at(state, *nothing, bends.slope[0], self.recorder.chain)
             code = core.run(agenda, done, bends, line.tiny)
             begin = line.time
             motion = self._taken_over(agenda)
@@ -133,18 +134,19 @@ class CompiledSections(SectionIntegrator):
         """Takes over the state and the records of the core's last call, with their events; returns the rates."""
         line, state, core, recorder = self.line, self.line.state, self.line.moving, self.recorder
         pending = [recorder.pending] if agenda is None else [agenda.pending(ticks) for ticks in core.epochs()]
-        block = core.written(state, pending)
         happened: list[tuple[int, loads.Crossing | tuple[str, float]]] = [*core.crossed()]
         if agenda is not None and core.motion.responses:
             happened = sorted([*happened, *core.corrected()], key=lambda entry: entry[0])
         for record, what in happened:
-            time = float(block.time[record])
+            time = core.time_of(record)
             if isinstance(what, loads.Crossing):
                 self.guard.require(time, state.runs[what.r].nodes[what.k].name)
                 recorder.note(state, what, loads.passing_event(state, what), time)
             else:
                 recorder.events.append(Event(time, what[0], "response", what[1]))
-        recorder.take(block, core.on_grid())
+        last = recorder.last
+        records = core.written(state, pending) if last is None else core.parts(pending, last)
+        recorder.take(records, core.on_grid())
         recorder.pending = pending[-1]
         state.passed = core.passed()
         line.set_time(core.motion.time)

@@ -20,12 +20,15 @@ from ropeway.systems.solvers.compiled_line import CompiledLine, PointSolver
 from ropeway.systems.solvers.compiled_nodes import Filled, compiled_clocks, compiled_drives, no_clocks
 from ropeway.systems.solvers.compiled_rows import load_tables
 from ropeway.systems.solvers.drive_trajectories import NODES, WEIGHTS, Window
+from ropeway.systems.statics.line_records import AnyRecord, PartRecord, Record
 from ropeway.systems.statics.line_state import LineState, load_force, read_value, span_rope
 from ropeway.systems.statics.pending_events import Pending
 from ropeway.systems.statics.record_blocks import RecordBlock
 
 _NUMBERS = 2_000_000
 """Numbers in the records that the core keeps before they are taken over, about."""
+_RECORDS = 1024
+"""Records that the core keeps before they are taken over."""
 _EVENT = len(core.CrossingEvent._fields_)
 _EPOCHS = 256
 """Ticks of clocks before records are taken over."""
@@ -51,16 +54,18 @@ class CoreMotion:
         self._loads = [run.loads for run in state.runs]
         sizes = [len(run.nodes) for run in state.runs]
         self._nodes, self._first = np.cumsum(sizes)[:-1], np.repeat([own.first for own in self._loads], sizes)
-        most = int(np.clip(_NUMBERS // (tables.nx + tables.nz + tables.supports), 64, 1024))
+        wholes = int(np.clip(_NUMBERS // (tables.nx + tables.nz + tables.supports), 64, _RECORDS))
         drives = compiled_drives(model)
         self.drives = None if drives is None else drives.filled()
         members = sum(len(clock.members) for clock in model.clocks)
-        self.events = (core.CrossingEvent * (4 * most + 64))()
-        self.responses = (core.ResponseEvent * (4 * most + members))()
-        self._time, self._grid, self._epoch = np.empty(most), np.empty(most, np.int32), np.empty(most, np.int32)
-        self._x, self._z = np.empty((most, tables.nx)), np.empty((most, tables.nz))
-        self._u, self._beyond = np.empty((most, tables.nu)), np.empty((most, tables.supports), np.int64)
-        self._passed = np.zeros(tables.supports, np.int64)
+        self.events = (core.CrossingEvent * (4 * _RECORDS + core.MOST))()
+        self.responses = (core.ResponseEvent * (4 * _RECORDS + members))()
+        self._time = np.empty(_RECORDS)
+        self._x, self._u = np.empty((_RECORDS, tables.nx)), np.empty((_RECORDS, tables.nu))
+        self._grid, self._epoch, self._sections = (np.empty(_RECORDS, np.int32) for _ in range(3))
+        self._z, self._beyond = np.empty((wholes, tables.nz)), np.empty((wholes, tables.supports), np.int64)
+        self._part_section, self._part_z = np.empty(_RECORDS * core.MOST, np.int32), np.empty(_NUMBERS + 2 * tables.nz)
+        self._passed, self._before = np.zeros(tables.supports, np.int64), np.zeros(tables.supports, np.int64)
         self._kept, self._ticks = np.empty((_EPOCHS, len(model.kept))), np.empty((_EPOCHS, len(model.clocks)), np.int64)
         pull, wind = _forces(state)
         fixed = {
@@ -72,6 +77,7 @@ class CoreMotion:
             "wind": wind,
             "sign": _signs(model, line),
             "kept": model.kept.astype(np.int32),
+            "due": np.zeros(tables.supports),
             "room": np.zeros(2 * tables.nz + 2 * tables.supports),
             "touched": np.zeros(tables.sections, np.int32),
             "old_rate": np.zeros(tables.nz),
@@ -83,14 +89,19 @@ class CoreMotion:
             "record_grid": self._grid,
             "record_epoch": self._epoch,
             "record_x": self._x,
-            "record_z": self._z,
+            "record_sections": self._sections,
             "record_u": self._u,
-            "record_passed": self._beyond,
+            "whole_z": self._z,
+            "whole_passed": self._beyond,
+            "part_section": self._part_section,
+            "part_z": self._part_z,
             "epoch_kept": self._kept,
             "epoch_ticks": self._ticks,
         }
         self.motion = core.Motion(
-            most=most,
+            most=_RECORDS,
+            most_wholes=wholes,
+            most_numbers=len(self._part_z),
             event=ctypes.addressof(self.events),
             response=ctypes.addressof(self.responses),
             least_step=LEAST_STEP,
@@ -106,15 +117,18 @@ class CoreMotion:
             run.loads is own for run, own in zip(state.runs, self._loads, strict=True)
         )
 
-    def at(self, state: LineState, x_rate: np.ndarray, z_rate: np.ndarray, u_rate: np.ndarray) -> None:
-        """Takes a state with its rates; the core changes it in place. Raises Interrupted."""
+    def at(self, state: LineState, x_rate: np.ndarray, z_rate: np.ndarray, u_rate: np.ndarray, chain: int = 0) -> None:
+        """Takes a state with its rates; the core changes it in place. At most `chain` records that follow a whole one
+        hold only what has changed. Raises Interrupted."""
         stop_if_interrupted()
         m = self.motion
         self.solver = PointSolver(self.line, state.point, self.line.used(state.passed), x_rate, u_rate)
         self.solver.z_rate[:] = z_rate
-        self._passed[:] = np.concatenate(state.passed)
+        self._passed[:] = self._before[:] = np.concatenate(state.passed)
         self._kept[0] = state.point.d[state.model.kept]
-        m.time, m.records, m.events, m.responses, m.epoch = state.point.t, 0, 0, 0, 0
+        m.time, m.events, m.responses, m.epoch = state.point.t, 0, 0, 0
+        m.chain = chain
+        m.records, m.wholes, m.sections, m.numbers = 0, 0, 0, 0
 
     def rates(self) -> np.ndarray:
         """Rates of the states here [per s], of drives that the core moves."""
@@ -177,8 +191,46 @@ class CoreMotion:
         tables, point = ctypes.byref(self.line.tables), ctypes.byref(self.solver.point)
         return int(getattr(self.line.core, name)(tables, point, ctypes.byref(self.motion), *more))
 
+    def time_of(self, record: int) -> float:
+        """Time of a record of the last call [s]."""
+        return float(self._time[record])
+
+    def parts(self, pending: Sequence[Pending], last: AnyRecord) -> list[AnyRecord]:
+        """The records of the last call, which follow the `last` one: those of crossings hold what they have changed."""
+        count, epochs, moved = self.motion.records, self._epoch.tolist(), self._moved()
+        kept = _rows_of(self._kept[: self.motion.epoch + 1], last.kept)
+        found, whole, section, number = list[AnyRecord](), 0, 0, 0
+        rows = zip(_rows_of(self._x[:count], last.x), _rows_of(self._u[:count], last.u), strict=True)
+        for i, (x, u) in enumerate(rows):
+            vectors, epoch, sections = (float(self._time[i]), x), epochs[i], int(self._sections[i])
+            if sections == 0:
+                passed = tuple(part.copy() for part in np.split(self._beyond[whole] + self._first, self._nodes))
+                last = Record(*vectors, self._z[whole].copy(), u, passed, kept[epoch], pending[epoch])
+                whole += 1
+            else:
+                columns = self.line.columns(tuple(self._part_section[section : section + sections].tolist()))
+                values = self._part_z[number : number + len(columns)].copy()
+                last = PartRecord(*vectors, u, kept[epoch], pending[epoch], last, columns, values, moved.get(i, ()))
+                section, number = section + sections, number + len(columns)
+            found.append(last)
+        return found
+
+    def _moved(self) -> dict[int, tuple[tuple[int, int, int], ...]]:
+        """For records of the last call the supports that loads have passed since the one before, each as run, support
+        and the number of the first load that has not passed it."""
+        found, passed, first = dict[int, tuple[tuple[int, int, int], ...]](), self._before.copy(), [0, *self._nodes]
+        last = [*self._nodes, len(passed)]
+        for record, crossing in self.crossed():
+            r, loads = crossing.r, self._loads[crossing.r]
+            around = crossing.k == 0 and bool(self.line.around[r])
+            for k in (first[r] + crossing.k, *((last[r] - 1,) if around else ())):
+                passed[k] += 1 if crossing.forward else -1
+                own = (r, int(k - first[r]), int(passed[k]) + loads.first)
+                found[record] = (*found.get(record, ()), own)
+        return found
+
     def written(self, state: LineState, pending: Sequence[Pending]) -> RecordBlock:
-        """The records of the last call; `pending`: what is pending in each epoch."""
+        """The records of the last call, all of which are whole; `pending`: what is pending in each epoch."""
         count, u = self.motion.records, state.point.u
         varied = self._u[:count] if np.any(self._u[:count] != u) else u[None]
         return RecordBlock(
@@ -226,6 +278,15 @@ class CoreMotion:
         event = self.motion.coming
         number = event.load + self._loads[event.run].first
         return Crossing(0.0, 0.0, event.run, event.support, number, bool(event.forward))
+
+
+def _rows_of(rows: np.ndarray, last: np.ndarray) -> list[np.ndarray]:
+    """Copies of rows; those that are equal to the one before, or the first to `last`, are one array with it."""
+    same = (rows == np.concatenate([last[None], rows[:-1]])).all(axis=1)
+    found = [last]
+    for row, known in zip(rows, same.tolist(), strict=True):
+        found.append(found[-1] if known else row.copy())
+    return found[1:]
 
 
 def _signs(model: Model, line: CompiledLine) -> np.ndarray:

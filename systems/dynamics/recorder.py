@@ -13,7 +13,7 @@ from ropeway.systems.results.run_data import Event
 from ropeway.systems.statics.line_records import AnyRecord, Record, part_of, recorded
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.pending_events import Pending
-from ropeway.systems.statics.record_blocks import RecordBlock, Records
+from ropeway.systems.statics.record_blocks import Records
 
 _LARGE = 1000
 """Algebraic variables of a model from which records hold only what has changed."""
@@ -52,8 +52,19 @@ class Recorder:
         self._met = 0
 
     @property
-    def _packs(self) -> bool:
+    def packs(self) -> bool:
+        """Whether records hold only what has changed."""
         return self._model is not None and len(self._model.z) >= _LARGE
+
+    @property
+    def last(self) -> AnyRecord | None:
+        """The last record so far, which others may follow that hold only what has changed; None where they may not."""
+        return self.entries[-1].records[-1] if self.packs and self.entries else None
+
+    @property
+    def chain(self) -> int:
+        """Most records after a whole one that may hold only what has changed."""
+        return 0 if self.last is None else _PARTS
 
     def checkpoint(self) -> Checkpoint:
         """A mark that `rewind` returns to."""
@@ -70,11 +81,12 @@ class Recorder:
 
     def _pack(self) -> None:
         """Reduces those of the entries so far, but the last, in which not all sections are solved."""
-        if self._model is None or not self._packs:
+        if self._model is None or not self.packs:
             return
         for i in range(self._packed, len(self.entries) - 1):
             (record,), last = self.entries[i].records, self._last
             if not isinstance(record, Record):
+                self._last = None
                 continue
             self._last, self._parts = record, self._parts + 1
             if all(self.entries[i].exact) or last is None or self._parts > _PARTS:
@@ -89,15 +101,12 @@ class Recorder:
         """Writes a state down."""
         self.entries.append(Entry((recorded(state, self.pending),), (on_grid,), (exact,)))
 
-    def take(self, block: RecordBlock, on_grid: Sequence[bool]) -> None:
+    def take(self, records: Sequence[AnyRecord], on_grid: Sequence[bool]) -> None:
         """Writes down what the compiled core has: all sections are solved at times of the grid."""
-        if not self._packs:
-            self.entries.append(Entry(block, on_grid, on_grid))
+        if not self.packs:
+            self.entries.append(Entry(records, on_grid, on_grid))
             return
-        for record, exact in zip(block, on_grid, strict=True):
-            passed = tuple(beyond.copy() for beyond in record.passed)  # so that the block is not kept
-            alone = record._replace(x=record.x.copy(), z=record.z.copy(), u=record.u.copy(), passed=passed)
-            self.entries.append(Entry((alone,), (exact,), (exact,)))
+        self.entries += [Entry((one,), (exact,), (exact,)) for one, exact in zip(records, on_grid, strict=True)]
         self._pack()
 
     def expect(self, times: Sequence[float]) -> None:

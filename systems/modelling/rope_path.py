@@ -7,6 +7,7 @@ end a. A crossing changes the integer by one, so no load can be lost or counted 
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -353,7 +354,9 @@ def drive_speeds(runs: Sequence[Run]) -> dict[tuple[str, str], tuple[str, str]]:
         driven = [k for k, node in enumerate(run.nodes) if node.drive_speed is not None]
         for k, (node, seat) in enumerate(zip(run.nodes, run.seats, strict=True)):
             if driven:
-                nearest = run.nodes[min(driven, key=lambda j: abs(j - k))]
+                after = bisect_left(driven, k)
+                beside = driven[max(after - 1, 0) : after + 1]
+                nearest = run.nodes[min(beside, key=lambda j: abs(j - k))]
                 for touched in (seat, node.through(seat)):
                     if touched is not None:
                         found[node.name, touched.name] = (nearest.name, nearest.drive_speed or "")

@@ -99,7 +99,7 @@ void rs_act(rs_point *q, rs_motion *m, const rs_clocks *c, double time)
             if (isnan(c->changed[i])) continue;
             q->d[c->correction[i]] = c->changed[i];
             m->response[m->responses].member = i;
-            m->response[m->responses].record = m->records;
+            m->response[m->responses].record = m->written.records;
             m->response[m->responses++].value = c->changed[i];
         }
     }

@@ -28,23 +28,36 @@ static void gaps(const rs_line *l, const rs_point *q, const rs_motion *m, int k,
     if (l->around[run] && rs_is_last(l, k)) *ahead = *behind = INFINITY;
 }
 
-/* The load that crosses first at the present rates. */
+/* When the next load reaches a support at the present rates. */
+static void foresee(const rs_line *l, const rs_point *q, const rs_motion *m, int k)
+{
+    double ahead, behind, rate = rs_travel_rate(l, q, k);
+    m->due[k] = INFINITY;
+    if (fabs(rate) <= 1e-12) return;
+    gaps(l, q, m, k, &ahead, &behind);
+    m->due[k] = m->time + (rate > 0.0 ? ahead / rate : behind / -rate);
+}
+
+/* The same for some sections, or all: their rates or loads have changed. */
+void rs_foresee(const rs_line *l, const rs_point *q, const rs_motion *m, const int *sections, int count)
+{
+    for (int k = 0; !sections && k < l->supports; k++) foresee(l, q, m, k);
+    for (int i = 0; i < count; i++)
+        for (int k = l->first[sections[i]]; k <= l->last[sections[i]]; k++) foresee(l, q, m, k);
+}
+
+/* The load that crosses first at the present rates; those of idlers are as they were foreseen. */
 int rs_next(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *found)
 {
-    found->time = INFINITY;
+    double time = INFINITY;
     for (int k = 0; k < l->supports; k++) {
-        double ahead, behind, rate = rs_travel_rate(l, q, k), time;
-        if (fabs(rate) <= 1e-12) continue;
-        gaps(l, q, m, k, &ahead, &behind);
-        time = rate > 0.0 ? ahead / rate : behind / -rate;
-        if (time < found->time) {
-            found->time = time;
-            found->gap = rate > 0.0 ? ahead : behind;
-            found->k = k;
-            found->forward = rate > 0.0;
-        }
+        if (l->state[k] >= 0) foresee(l, q, m, k);
+        if (m->due[k] < time) time = m->due[k], found->k = k;
     }
-    return isfinite(found->time);
+    if (!isfinite(time)) return 0;
+    found->forward = rs_travel_rate(l, q, found->k) > 0.0;
+    rs_look_again(l, q, m, found);
+    return 1;
 }
 
 /* The same load from here. */
@@ -152,17 +165,52 @@ static int put_beyond(const rs_line *l, rs_point *q, rs_motion *m, int k, int lo
     return write_beside(l, q, m, last) && room;
 }
 
-/* Writes the present point down; on the grid all sections are solved. */
-void rs_record(const rs_line *l, const rs_point *q, rs_motion *m, int grid)
+static void begin_record(const rs_line *l, const rs_point *q, rs_motion *m, int grid, int sections)
 {
-    int n = m->records++;
+    int n = m->written.records++;
     m->record_time[n] = m->time;
     m->record_grid[n] = grid;
     m->record_epoch[n] = m->epoch;
+    m->record_sections[n] = sections;
     memcpy(m->record_x + n * l->nx, q->x, l->nx * sizeof(double));
-    memcpy(m->record_z + n * l->nz, q->z, l->nz * sizeof(double));
     if (m->record_u) memcpy(m->record_u + n * l->nu, q->u, l->nu * sizeof(double));
-    memcpy(m->record_passed + n * l->supports, m->passed, l->supports * sizeof(long long));
+}
+
+/* Writes the present point down; on the grid all sections are solved. */
+void rs_record(const rs_line *l, const rs_point *q, rs_motion *m, int grid)
+{
+    int n = m->written.wholes++;
+    begin_record(l, q, m, grid, 0);
+    memcpy(m->whole_z + n * l->nz, q->z, l->nz * sizeof(double));
+    memcpy(m->whole_passed + n * l->supports, m->passed, l->supports * sizeof(long long));
+    m->written.behind = 0;
+}
+
+/* The same where only some sections are solved. */
+static void record_beside(const rs_line *l, const rs_point *q, rs_motion *m, const int *sections, int count)
+{
+    if (m->written.behind >= m->chain) {
+        rs_record(l, q, m, 0);
+        return;
+    }
+    begin_record(l, q, m, 0, count);
+    m->written.behind++;
+    for (int i = 0; i < count; i++) {
+        double *to = m->part_z + m->written.numbers;
+        m->part_section[m->written.sections++] = sections[i];
+        for (int k = l->first[sections[i]], span = l->first_span[sections[i]]; k <= l->last[sections[i]]; k++, span++) {
+            if (k < l->last[sections[i]]) memcpy(to, q->z + l->force[span], 3 * sizeof(double)), to += 3;
+            if (l->travel[k] >= 0) *to++ = q->z[l->travel[k]];
+        }
+        m->written.numbers = (int)(to - m->part_z);
+    }
+}
+
+/* Whether there is no room for a crossing with the records of a stop. */
+int rs_is_full(const rs_line *l, const rs_motion *m)
+{
+    return m->written.records + 8 > m->most || m->written.wholes + 8 > m->most_wholes ||
+           m->written.numbers + 2 * l->nz > m->most_numbers || m->events + RS_MOST > 4 * m->most;
 }
 
 /* Whether a jump has moved a load of the touched sections past a support; at the ends of a run that have just been
@@ -205,7 +253,7 @@ static int due_now(const rs_line *l, const rs_point *q, const rs_motion *m, cons
     due[0] = *first;
     for (int k = 0; k < l->supports && count < RS_MOST; k++) {
         double ahead, behind, rate = rs_travel_rate(l, q, k), near = NEAR * m->scale[l->run_of[k]];
-        if (k == first->k) continue;
+        if (k == first->k || fabs(m->due[k] - m->time) * fabs(rate) > 2.0 * near) continue;
         gaps(l, q, m, k, &ahead, &behind);
         if ((fabs(ahead) <= near && rate > 0.0) || (fabs(behind) <= near && rate < 0.0)) {
             due[count].k = k;
@@ -229,7 +277,8 @@ int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first
 {
     rs_coming due[RS_MOST];
     int count = 0, crossings = due_now(l, q, m, first, due);
-    int records = m->records, events = m->events, room = 1;
+    int events = m->events, room = 1;
+    rs_written written = m->written;
     double *z = m->room, *rate = z + l->nz;
     leave(l, m, first);
     for (int i = 0; i < crossings; i++) {
@@ -238,27 +287,25 @@ int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first
     }
     for (int i = 0; i < count; i++) m->touched[sections[i]] = 1;
     if (crossings == RS_MOST || count == RS_MOST) return RS_CROSSING;
-    rs_record(l, q, m, 0); /* the sections of the crossing are solved on both sides, others are where rates lead them */
-    memcpy(z, q->z, l->nz * sizeof(double));
-    memcpy(rate, q->z_rate, l->nz * sizeof(double));
+    record_beside(l, q, m, sections, count); /* solved on both sides, others are where rates lead them */
+    for (int i = 0; i < count; i++) rs_keep(l, sections[i], q->z, z), rs_keep(l, sections[i], q->z_rate, rate);
     for (int i = 0; i < crossings; i++) {
         leave(l, m, due + i);
-        m->coming.record = m->records;
+        m->coming.record = m->written.records;
         m->event[m->events++] = m->coming;
         room = put_beyond(l, q, m, due[i].k, due[i].forward ? 1 : -1) && room;
     }
     for (int i = 0; room && i < count; i++)
         if (rs_solve(l, q, sections[i], 1) != RS_OK) room = 0;
     if (!room || overrun(l, q, m, due, crossings, sections, count)) {
-        memcpy(q->z, z, l->nz * sizeof(double));
-        memcpy(q->z_rate, rate, l->nz * sizeof(double));
+        for (int i = 0; i < count; i++) rs_keep(l, sections[i], z, q->z), rs_keep(l, sections[i], rate, q->z_rate);
         for (int i = crossings - 1; i >= 0; i--) put_beyond(l, q, m, due[i].k, due[i].forward ? -1 : 1);
-        m->records = records;
+        m->written = written;
         m->events = events;
         leave(l, m, first);
         return RS_CROSSING;
     }
-    rs_record(l, q, m, 0);
+    record_beside(l, q, m, sections, count);
     *beside = count;
     return RS_REACHED;
 }

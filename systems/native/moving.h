@@ -35,6 +35,12 @@ typedef struct {
     double value;
 } rs_response;
 
+/* What is written down: records, those that are whole, and sections and their variables in the others; how many of these
+ * follow the last whole one. */
+typedef struct {
+    int records, wholes, sections, numbers, behind;
+} rs_written;
+
 typedef struct {
     double time, begin, h; /* now; the window of the drives' trajectories */
     const double *stop;    /* times of the grid: all sections are solved, and written down */
@@ -53,11 +59,14 @@ typedef struct {
     const double *pull; /* (spans, 3): what each metre of rope adds to its tension vector [N/m] */
     const double *wind; /* (2,): what each square metre of a load's drag area adds to it [N/m2] */
     const int *sign;    /* (supports,): 1 where more travel of a stable line lowers the residual of its balance, else -1 */
-    /* records and events; an epoch lasts from one tick of a clock to the next */
-    int records, most, events, responses, epoch;
-    int *record_grid, *record_epoch;
-    double *record_time, *record_x, *record_z, *record_u;
-    long long *record_passed;
+    /* records and events; an epoch lasts from one tick of a clock to the next. A crossing writes down the sections beside
+     * it only, `record_sections` of them, where fewer than `chain` such records follow a whole one, which has
+     * `whole_z` and `whole_passed` */
+    rs_written written;
+    int most, most_wholes, most_numbers, chain, events, responses, epoch;
+    int *record_grid, *record_epoch, *record_sections, *part_section;
+    double *record_time, *record_x, *record_u, *whole_z, *part_z;
+    long long *whole_passed;
     rs_event *event;
     rs_response *response;
     rs_event coming; /* the crossing that is left */
@@ -65,6 +74,7 @@ typedef struct {
     int keeps, epochs;
     double *epoch_kept;     /* (epochs, keeps) */
     long long *epoch_ticks; /* (epochs, clocks) */
+    double *due;            /* (supports,): when the next load reaches each of them */
     double *room;           /* 2 nz + 2 supports doubles */
     /* for the guess at a stop: time of the last one, 0 in `curved` where there is none; (nz,) rates there, and their
      * change since the one before [per s2]; (sections,) whether a section has been solved since */
@@ -112,11 +122,13 @@ typedef struct {
 double rs_rope(const rs_line *l, const rs_point *q, const rs_motion *m, int k);
 void rs_end_force(const rs_line *l, const rs_point *q, const rs_motion *m, int span, int end, double *force);
 double rs_travel_rate(const rs_line *l, const rs_point *q, int k);
+void rs_foresee(const rs_line *l, const rs_point *q, const rs_motion *m, const int *sections, int count);
 int rs_next(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *found);
 void rs_look_again(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *load);
 int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first, int *sections, int *count);
 int rs_write_slots(const rs_line *l, rs_point *q, const rs_motion *m, int span);
 void rs_record(const rs_line *l, const rs_point *q, rs_motion *m, int grid);
+int rs_is_full(const rs_line *l, const rs_motion *m);
 int rs_in_order(const rs_line *l, const rs_point *q, const rs_motion *m);
 int rs_short_of_loads(const rs_line *l, const rs_motion *m);
 

@@ -11,7 +11,8 @@
 /* What a step changes, besides the vectors of the point. */
 typedef struct {
     double time, crossed;
-    int records, events, responses, epoch, bent;
+    rs_written written;
+    int events, responses, epoch, bent;
 } mark;
 
 static void copy(double **to, double *values, size_t count, int back)
@@ -145,7 +146,7 @@ static int run(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs_dri
         return RS_FAILED;
     }
     while (m->reached < m->stops) {
-        mark before = {m->time, m->crossed, m->records, m->events, m->responses, m->epoch, a->bent};
+        mark before = {m->time, m->crossed, m->written, m->events, m->responses, m->epoch, a->bent};
         keep(l, q, m, a, 0);
         int limits = count_limited(s), code = advance(l, q, m, a, s, c, isfinite(longest), most);
         if (code == RS_REACHED) {
@@ -160,9 +161,9 @@ static int run(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs_dri
         memset(m->touched, 0, l->sections * sizeof(int));
         memcpy(c->ticks, m->epoch_ticks + before.epoch * c->clocks, c->clocks * sizeof(long long));
         m->time = before.time, m->crossed = before.crossed, m->epoch = before.epoch, a->bent = before.bent;
-        m->records = before.records, m->events = before.events, m->responses = before.responses;
+        m->written = before.written, m->events = before.events, m->responses = before.responses;
         if (code == RS_COUPLED && count_limited(s) > limits) continue; /* the same again, more drives with the ropes */
-        if (!(code == RS_UNFORESEEN || code == RS_FAILED || (code == RS_FULL && m->records == 0))) return code;
+        if (!(code == RS_UNFORESEEN || code == RS_FAILED || (code == RS_FULL && m->written.records == 0))) return code;
         if (tried < LEAST_STEP) return code;
         most = 0.5 * tried;
     }

@@ -85,15 +85,14 @@ class Motion(ctypes.Structure):
         (ctypes.c_void_p, "window window_rates nodes weights"),
         (ctypes.c_double, "crossed short_step least_step longest_step"),
         (ctypes.c_void_p, "load_first place mass drag rope scale passed pull wind sign"),
-        (ctypes.c_int, "records most events responses epoch"),
-        (
-            ctypes.c_void_p,
-            "record_grid record_epoch record_time record_x record_z record_u record_passed event response",
-        ),
+        (ctypes.c_int, "records wholes sections numbers behind"),
+        (ctypes.c_int, "most most_wholes most_numbers chain events responses epoch"),
+        (ctypes.c_void_p, "record_grid record_epoch record_sections part_section"),
+        (ctypes.c_void_p, "record_time record_x record_u whole_z part_z whole_passed event response"),
         (CrossingEvent, "coming"),
         (ctypes.c_void_p, "kept"),
         (ctypes.c_int, "keeps epochs"),
-        (ctypes.c_void_p, "epoch_kept epoch_ticks room"),
+        (ctypes.c_void_p, "epoch_kept epoch_ticks due room"),
         (ctypes.c_double, "stopped"),
         (ctypes.c_int, "curved"),
         (ctypes.c_void_p, "touched old_rate curve"),
@@ -145,6 +144,8 @@ class OutputCalls(ctypes.Structure):
     )
 
 
+MOST = 64
+"""RS_MOST."""
 REACHED, CROSSING, UNFORESEEN, LOADS, FULL, FAILED, SLACK, PASSED, COUPLED, ASTRAY = range(10)
 """Why `rs_move` and `rs_run` return."""
 

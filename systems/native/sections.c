@@ -261,12 +261,13 @@ static void put(const rs_line *l, rs_point *q, int section, const room *r, doubl
     }
 }
 
-static void keep(const rs_line *l, const rs_point *q, int section, double *to)
+/* Copies what belongs to a section from one vector (nz,) to another. */
+void rs_keep(const rs_line *l, int section, const double *from, double *to)
 {
     int a = l->first[section], b = l->last[section], span = l->first_span[section];
     for (int k = a; k <= b; k++) {
-        if (k < b) memcpy(to + l->force[span + k - a], q->z + l->force[span + k - a], 3 * sizeof(double));
-        if (l->travel[k] >= 0) to[l->travel[k]] = q->z[l->travel[k]];
+        if (k < b) memcpy(to + l->force[span + k - a], from + l->force[span + k - a], 3 * sizeof(double));
+        if (l->travel[k] >= 0) to[l->travel[k]] = from[l->travel[k]];
     }
 }
 
@@ -315,7 +316,7 @@ int rs_solve(const rs_line *l, rs_point *q, int section, int rates)
             if (last < 1e-6 && size < 1e-8) goto solved; /* rounding is all that is left */
             double share = 0.5;
             /* r.move is the new step: the one that has led here is the way from r.before */
-            keep(l, q, section, r.move);
+            rs_keep(l, section, q->z, r.move);
             for (int i = 0; i < l->nz; i++) r.move[i] -= r.before[i];
             for (;; share *= 0.5) {
                 if (share < 1e-7) return taken > LARGE ? RS_SINGULAR : RS_STUCK;
@@ -328,7 +329,7 @@ int rs_solve(const rs_line *l, rs_point *q, int section, int rates)
         size = step(l, section, &r);
         if (!isfinite(size)) return RS_SINGULAR;
         coming = isfinite(last) ? size * (size / last) * (size / last) : 100.0 * size * size;
-        keep(l, q, section, r.before);
+        rs_keep(l, section, q->z, r.before);
         if (size <= CLOSE || norm <= 1e-15 * sqrt((double)n)) goto solved;
         put(l, q, section, &r, 1.0);
         if (coming <= CLOSE) {
@@ -343,7 +344,7 @@ int rs_solve(const rs_line *l, rs_point *q, int section, int rates)
     }
     return RS_SLOW;
 solved:
-    keep(l, q, section, r.before);
+    rs_keep(l, section, q->z, r.before);
     put(l, q, section, &r, 1.0);
     if (rates) rates_of(l, q, section, &r);
     return RS_OK;

@@ -61,6 +61,7 @@ void rs_support(const rs_line *line, const rs_point *q, int k, const double *com
 RS_API int rs_solve(const rs_line *line, rs_point *q, int section, int rates);
 RS_API int rs_solve_all(const rs_line *line, rs_point *q, int rates);
 RS_API int rs_solve_many(const rs_line *line, rs_point *q, int cases, const long long *stride, unsigned char *good);
+void rs_keep(const rs_line *line, int section, const double *from, double *to);
 double rs_travel(const rs_line *line, const rs_point *q, int k);
 int rs_is_last(const rs_line *line, int k);
 int rs_beside(const rs_line *line, int k, int *sections, int count, int most);

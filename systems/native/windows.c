@@ -322,6 +322,7 @@ static int window(const rs_line *l, rs_point *q, rs_motion *m, rs_drives *s, dou
             double most = GROWTH * s->last;
             if (!with) return RS_COUPLED;
             if ((code = solve_beside(l, q, m, s)) != RS_REACHED) return code;
+            rs_foresee(l, q, m, 0, 0);
             if (rs_next(l, q, m, &next) && next.time >= 0.0) most = fmin(most, BEYOND * next.time + BEHIND);
             if (h > most) {
                 h = most;

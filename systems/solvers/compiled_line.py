@@ -54,11 +54,25 @@ class CompiledLine:
         for name, addresses in zip(LINE_KERNELS, kernels, strict=True):
             self._keep(name, np.array(addresses or [0], dtype=np.uint64))
         self.work_size = int(self.core.rs_work_size(ctypes.byref(self.tables)))
-        self.section_of = numbers["section_of"]
+        self.section_of, self.around = numbers["section_of"], numbers["around"]
+        self._ends = [numbers[name].tolist() for name in ("first", "last", "first_span")]
+        self._columns: dict[tuple[int, ...], np.ndarray] = {}
 
     def _keep(self, name: str, values: np.ndarray) -> None:
         self._kept.append(values)
         setattr(self.tables, name, values.ctypes.data)
+
+    def columns(self, sections: tuple[int, ...]) -> np.ndarray:
+        """The algebraic variables of some sections, in the order of `record_beside` in the core."""
+        if sections not in self._columns:
+            found = list[int]()
+            for first, last, span in ((own[s] for own in self._ends) for s in sections):
+                for k in range(first, last + 1):
+                    force, travel = self.sections.force[span + k - first] if k < last else 0, self.sections.travel[k]
+                    found += [*range(force, force + 3)] if k < last else []
+                    found += [travel] if travel >= 0 else []
+            self._columns[sections] = np.array(found, dtype=int)
+        return self._columns[sections]
 
     def used(self, passed: Sequence[np.ndarray]) -> np.ndarray:
         """Loads in each span, from those passed at the supports of each run."""
