@@ -18,8 +18,8 @@ import numpy as np
 from ropeway.components.errors import SimulationError
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.equations import derivatives, expanded
+from ropeway.systems.muted import muted
 from ropeway.systems.solvers.model_functions import Buffered, banded_order
-from ropeway.systems.solvers.muted import muted
 from ropeway.systems.solvers.points import Point
 from ropeway.systems.solvers.prescribed_states import commanded_of
 
