@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, wraps
+from threading import RLock
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import casadi as ca
@@ -25,6 +27,12 @@ from ropeway.systems.modelling.system import System
 _Arguments = ParamSpec("_Arguments")
 _Made = TypeVar("_Made")
 
+BUILDING = RLock()
+"""CasADi releases the interpreter's lock, but functions that threads build from the same expressions can disturb each
+other: one is built at a time."""
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=BUILDING.acquire, after_in_parent=BUILDING.release, after_in_child=BUILDING.release)
+
 
 def kept_with_model(
     make: Callable[Concatenate[Model, _Arguments], _Made],
@@ -34,10 +42,7 @@ def kept_with_model(
 
     @wraps(make)
     def kept(model: Model, /, *args: _Arguments.args, **kwargs: _Arguments.kwargs) -> _Made:
-        key = (make, args, *kwargs.values())
-        if key not in model.derived:
-            model.derived.setdefault(key, make(model, *args, **kwargs))
-        found: _Made = model.derived[key]
+        found: _Made = _known(model.derived, (make, args, *kwargs.values()), lambda: make(model, *args, **kwargs))
         return found
 
     return kept
@@ -51,13 +56,20 @@ def kept_with_structure(
 
     @wraps(make)
     def kept(model: Model, /, *args: _Arguments.args, **kwargs: _Arguments.kwargs) -> _Made:
-        derived, key = model.structure.derived, (make, args, *kwargs.values())
-        if key not in derived:
-            derived.setdefault(key, make(model, *args, **kwargs))
-        found: _Made = derived[key]
+        derived = model.structure.derived
+        found: _Made = _known(derived, (make, args, *kwargs.values()), lambda: make(model, *args, **kwargs))
         return found
 
     return kept
+
+
+def _known(derived: dict[Hashable, Any], key: Hashable, make: Callable[[], Any]) -> Any:
+    """The entry of a key, made at its first use."""
+    if key not in derived:
+        with BUILDING:
+            if key not in derived:
+                derived[key] = make()
+    return derived[key]
 
 
 @checked

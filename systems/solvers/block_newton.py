@@ -16,7 +16,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from ropeway.components.variable import Kind
-from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.modelling.dae_model import BUILDING, Model, kept_with_model
 from ropeway.systems.modelling.equations import equations
 from ropeway.systems.solvers.damped_newton import damped
 from ropeway.systems.solvers.kernels.compiled_newton import CompiledBlock
@@ -74,31 +74,34 @@ class Blocks:
     def _block(self, number: int) -> _Block | CompiledBlock:
         """A block; its functions, of its own variables only, are made at the first use."""
         if number not in self._blocks:
-            rows = np.flatnonzero(self._row_of == number)
-            if self.model.compiled:
-                self._blocks[number] = CompiledBlock(self.model, rows, np.flatnonzero(self.of == number))
-                return self._blocks[number]
-            found = self._alg.only(rows.tolist())
-            residual = found.value
-            used = tuple(self._used(residual, kind) for kind in VECTORS)
-            x, z, u, p, d = (_entries(self._symbols[kind], places) for kind, places in zip(VECTORS, used, strict=True))
-            rate, slope = _entries(self._rate, used[0]), _entries(self._slope, used[2])
-            columns = used[1]
-            drift = found.along([(x, rate), (u, slope), (self._time, 1)])
-            jacobian = ca.mtimes(found.jacobian(z), ca.diag(ca.DM(self.model.z.nominals[columns])))
-            inputs = [self._time, x, z, u, p, d, rate, slope]
-            parts = ca.Function("parts", inputs, [residual, jacobian, ca.densify(ca.horzcat(residual, drift))])
-            symbols = parts.mx_in()
-            value, matrix, sides = parts(*symbols)
-            self._blocks[number] = _Block(
-                columns,
-                tuple(self.model.r.names[i] for i in rows),
-                used,
-                Buffered(ca.Function("value", inputs, [residual])),
-                Buffered(ca.Function("step", symbols, [value, solve_sparse(matrix, sides)])),
-                self.model.z.nominals[columns],
-            )
+            with BUILDING:
+                self._blocks[number] = self._made(number)
         return self._blocks[number]
+
+    def _made(self, number: int) -> _Block | CompiledBlock:
+        rows = np.flatnonzero(self._row_of == number)
+        if self.model.compiled:
+            return CompiledBlock(self.model, rows, np.flatnonzero(self.of == number))
+        found = self._alg.only(rows.tolist())
+        residual = found.value
+        used = tuple(self._used(residual, kind) for kind in VECTORS)
+        x, z, u, p, d = (_entries(self._symbols[kind], places) for kind, places in zip(VECTORS, used, strict=True))
+        rate, slope = _entries(self._rate, used[0]), _entries(self._slope, used[2])
+        columns = used[1]
+        drift = found.along([(x, rate), (u, slope), (self._time, 1)])
+        jacobian = ca.mtimes(found.jacobian(z), ca.diag(ca.DM(self.model.z.nominals[columns])))
+        inputs = [self._time, x, z, u, p, d, rate, slope]
+        parts = ca.Function("parts", inputs, [residual, jacobian, ca.densify(ca.horzcat(residual, drift))])
+        symbols = parts.mx_in()
+        value, matrix, sides = parts(*symbols)
+        return _Block(
+            columns,
+            tuple(self.model.r.names[i] for i in rows),
+            used,
+            Buffered(ca.Function("value", inputs, [residual])),
+            Buffered(ca.Function("step", symbols, [value, solve_sparse(matrix, sides)])),
+            self.model.z.nominals[columns],
+        )
 
     def _used(self, residual: Any, kind: Kind) -> np.ndarray:
         """Entries of a vector that a residual depends on; without a scalar graph all of them."""

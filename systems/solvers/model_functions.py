@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import maximum_bipartite_matching, reverse_cuthill_mck
 
 from ropeway.components.variable import Kind
 from ropeway.systems.interrupts import stop_if_interrupted
-from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.dae_model import BUILDING, Model
 from ropeway.systems.modelling.equations import equations, scalar
 from ropeway.systems.solvers.damped_newton import damped
 from ropeway.systems.solvers.points import VECTORS, Slot
@@ -156,8 +156,9 @@ class NewtonFunctions:
     def step_and_rates(self) -> Buffered:
         """As `step`, with the rates: made only where rates are asked for."""
         inputs, found, matrix = self._symbols
-        sides = ca.horzcat(found.value, found.along(self._moving))
-        return Buffered(_linear_solves("rates", inputs, found.value, matrix, sides))
+        with BUILDING:
+            sides = ca.horzcat(found.value, found.along(self._moving))
+            return Buffered(_linear_solves("rates", inputs, found.value, matrix, sides))
 
 
 def solve_sparse(matrix: ca.MX, right: ca.MX) -> ca.MX:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.modelling.dae_model import BUILDING, Model, kept_with_model
 from ropeway.systems.modelling.equations import expanded
 from ropeway.systems.solvers.model_functions import Buffered
 from ropeway.systems.solvers.points import Point
@@ -35,13 +35,14 @@ class Commanded:
 
     def _gain(self, count: int) -> Buffered:
         """Changes over `count` steps, one after the other; made at the first use."""
-        if count not in self._gains:
-            make = self._model.sym
-            rest = [make(self._one.name_in(i), self._one.numel_in(i)) for i in range(1, self._one.n_in())]
-            stretches = [make(f"h{i}") for i in range(count)]
-            gains = ca.vertcat(*(self._one(h, *rest) for h in stretches))
-            self._gains[count] = Buffered(ca.Function("gains", [ca.vertcat(*stretches), *rest], [gains]))
-        return self._gains[count]
+        with BUILDING:
+            if count not in self._gains:
+                make = self._model.sym
+                rest = [make(self._one.name_in(i), self._one.numel_in(i)) for i in range(1, self._one.n_in())]
+                stretches = [make(f"h{i}") for i in range(count)]
+                gains = ca.vertcat(*(self._one(h, *rest) for h in stretches))
+                self._gains[count] = Buffered(ca.Function("gains", [ca.vertcat(*stretches), *rest], [gains]))
+            return self._gains[count]
 
     def put(self, x: np.ndarray, point: Point, h: np.ndarray, slope: np.ndarray) -> None:
         """Writes the commanded states after `h` (n,) seconds from a point into `x` (n, nx), with inputs of rate
