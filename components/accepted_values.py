@@ -146,8 +146,10 @@ def _finite(found: np.ndarray) -> np.ndarray:
 
 
 def any_array(value: Any) -> Any:
-    """An array of numbers or Booleans; NaN is allowed."""
+    """An array of finite numbers, or of Booleans, of its own type."""
     if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
+        if value.dtype.kind == "f":
+            _finite(value)
         return value
     raise RefusedError(value, "an array of numbers")
 

@@ -67,11 +67,8 @@ class Modes(Tabular):
 
     def __post_init__(self) -> None:
         expected = (len(self.frame), len(self.points), 3)
-        if self.shapes.shape != expected or not np.isfinite(self.shapes).all():
-            raise InputError(
-                f"Modes: shapes has shape {self.shapes.shape} or values that are not finite",
-                f"Give displacements of the shape {expected}",
-            )
+        if self.shapes.shape != expected:
+            raise InputError(f"Modes: shapes has the shape {self.shapes.shape}", f"Give displacements {expected}")
 
     def __repr__(self) -> str:
         first = f", the first at {self.frame['frequency'].iloc[0]:.4g} Hz" if len(self.frame) else ""
