@@ -84,6 +84,7 @@ def test_loads_cross_supports_as_with_idas() -> None:
     assert other_kept["residual"] == pytest.approx(kept["residual"], abs=1e-3 * abs(kept["ends"]))
 
 
+@pytest.mark.slow
 def test_a_load_lost_with_rope_nodes_is_that_of_idas() -> None:
     lost = [rw.Intervention(0.2, "load lost", "log")]
     wind = rw.Environment("wind", wind_pressure=300.0, wind_from=0.0)
