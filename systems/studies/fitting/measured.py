@@ -17,6 +17,8 @@ Sigma = float | Mapping[str, float | Sequence[float]]
 TIME = "time"
 """Target of the column with the time [s] of a series."""
 GIVEN, MEASURED = "given", "measured"
+_ROUNDING = 1e-12
+"""Least standard deviation, as a share of the largest value of its column."""
 MISSING = {"nan", "na", "n/a", "null", "-"}
 """Words for a missing number."""
 
@@ -69,7 +71,7 @@ class Measured:
             return found
         if not isinstance(sigma, Mapping):
             found[:] = _positive(sigma, "sigma")
-            return found
+            return self._above_rounding(found)
         for name, value in sigma.items():
             values = np.asarray(value, dtype=float)
             if values.ndim and len(values) <= self.rows.max(initial=-1):
@@ -78,7 +80,17 @@ class Measured:
         missing = [c.name for c in self.columns if not {c.name, c.target} & set(sigma)]
         if missing:
             raise InputError(f"sigma has no value for {', '.join(missing)}", "Give one for each measured column")
-        return found
+        return self._above_rounding(found)
+
+    def _above_rounding(self, sigma: np.ndarray) -> np.ndarray:
+        """Standard deviations that a number of the column's size can resolve. Raises InputError."""
+        largest = np.where(np.isfinite(self.cells), np.abs(self.cells), 0.0).max(axis=0, initial=0.0)
+        if (sigma < _ROUNDING * largest).any():
+            raise InputError(
+                f"sigma is {sigma.min():g}, less than the rounding of the measured values",
+                "Give the standard deviation of the measurement, in SI units",
+            )
+        return sigma
 
 
 def _positive(value: float | np.ndarray, what: str) -> np.ndarray:

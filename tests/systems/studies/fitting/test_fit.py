@@ -204,3 +204,10 @@ def test_no_fit_is_found_where_bounds_leave_no_equilibrium() -> None:
             case.system, case.exact.assign(head=1.0), columns=case.columns, free=["a.pretension"], sigma=1e-3,
             bounds={"a.pretension": (1.0, 2.0)},
         )  # fmt: skip
+
+
+@pytest.mark.parametrize("sigma", [1e-300, {"head": 1e-13, "z": 1e-13}])
+def test_a_sigma_below_rounding_is_refused(sigma: float | dict[str, float]) -> None:
+    case = standing_case()
+    with pytest.raises(rw.InputError, match="less than the rounding"):
+        rw.fit(case.system, case.exact, columns=case.columns, free="tension", sigma=sigma)
