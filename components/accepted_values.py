@@ -200,6 +200,18 @@ def sequence_of(check: Check | None, expected: str) -> Check:
     return sequence
 
 
+def rows_of(check: Check) -> Check:
+    """A sequence of sequences of one length."""
+
+    def rows(value: Any) -> Any:
+        found = check(value)
+        if len({len(row) for row in found}) > 1:
+            raise RefusedError(value, "rows of one length")
+        return found
+
+    return rows
+
+
 def tuple_of(check: Check | None, expected: str) -> Check:
     """A sequence as a tuple, with checked elements."""
 

@@ -150,7 +150,8 @@ def _container(origin: Any, arguments: tuple[Any, ...]) -> Check:
     if origin is tuple:
         return accepted_values.tuple_of(checks[0], f"a sequence of {what}")
     if issubclass(origin, Sequence):
-        return accepted_values.sequence_of(checks[0], f"a sequence of {what}")
+        found = accepted_values.sequence_of(checks[0], f"a sequence of {what}")
+        return accepted_values.rows_of(found) if arguments[0] == Sequence[float] else found
     if origin in (Iterable, Collection):
         return accepted_values.iterable
     return accepted_values.instance_of((origin,), _name(origin))

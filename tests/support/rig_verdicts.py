@@ -131,7 +131,7 @@ def _differences(law: Any, u: np.ndarray, row: Row) -> list[str]:
         elif line.role == "dropline":
             found["dropline_tension"] = float(np.linalg.norm(force[0, first]))
         else:
-            found[f"{line.role}_tension"] = float(np.linalg.norm(end[0, first]))
+            found[f"{line.role}_tension"] = top
     return [
         f"{name} {row[name]} not {value}"
         for name, value in found.items()

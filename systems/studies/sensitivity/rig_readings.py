@@ -73,7 +73,9 @@ def rig_columns(solved: Solved) -> dict[str, Callable[[], Reading]]:
         if isinstance(spar, GuyedSpar):
             found[f"{prefix}_compression"] = _single(f"{spar.name}.compression")
             found[f"{prefix}_lean"] = _single(f"{spar.name}.lean")
-            found |= {f"{g.name}_tension": _single(f"{g.name}_{spar.name}.tension_b") for g in spar.guylines}
+            for guy in spar.guylines:
+                ends = [f"{guy.name}_{spar.name}.tension_{end}" for end in "ab"]
+                found[f"{guy.name}_tension"] = lambda ends=ends: _highest(solved, ends)  # type: ignore[misc]
     return found
 
 

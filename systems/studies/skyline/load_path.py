@@ -67,7 +67,7 @@ def load_path(
           skyline bends down over it [rad]
         - held_by: mainline, clamp (beyond the rest point the carriage is clamped to the skyline) or holding
         - for a guyed headspar spar_compression and spar_lean, for a guyed tailspar tailspar_compression and
-          tailspar_lean, for each guyline `NAME_tension` at the top
+          tailspar_lean, for each guyline the higher `NAME_tension` of its ends
         - for a log suspension (partial or full), ground_force, dropline_tension, front_clearance
 
     Raises

@@ -9,7 +9,13 @@ from ropeway.components.clearance import deflection
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.clearances import drags, front_clearance, load_clearance, rope_clearance
-from ropeway.systems.studies.skyline.rope_tensions import anchor_tension, break_angle, end_tensions, highest_tension
+from ropeway.systems.studies.skyline.rope_tensions import (
+    anchor_tension,
+    break_angle,
+    end_tensions,
+    guyline_tension,
+    highest_tension,
+)
 
 StationRow = dict[str, float | str | int]
 
@@ -133,7 +139,7 @@ def _guyed_spars(solved: Solved) -> StationRow:
         if isinstance(spar, GuyedSpar):
             columns[f"{prefix}_compression"] = solved[f"{spar.name}.compression"]
             columns[f"{prefix}_lean"] = solved[f"{spar.name}.lean"]
-            columns |= {f"{g.name}_tension": solved[f"{g.name}_{spar.name}.tension_b"] for g in spar.guylines}
+            columns |= {f"{g.name}_tension": guyline_tension(solved, g.name, spar) for g in spar.guylines}
     return columns
 
 

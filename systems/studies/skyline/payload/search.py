@@ -262,12 +262,13 @@ def _narrowed(
 
 def _guess(tried: Mapping[float, Trial], low: float, high: float) -> float:
     """The least payload at which one of the limits that are exceeded at `high` is reached, by inverse interpolation
-    through its three smallest margins so far; NaN without one."""
+    through its three smallest different margins so far; NaN without one."""
     roots = []
     for name, over in tried[high].margins.items():
         if over < 0.0:
-            known = [(trial.margins[name], mass) for mass, trial in tried.items() if name in trial.margins]
-            margins, masses = np.array(sorted(known, key=lambda point: abs(point[0]))[:3]).T
+            # Payloads with equal margins, as of an empty carriage that is held, say nothing of where it is zero.
+            known = {trial.margins[name]: mass for mass, trial in tried.items() if name in trial.margins}
+            margins, masses = np.array(sorted(known.items(), key=lambda point: abs(point[0]))[:3]).T
             away = margins - margins[:, None]
             np.fill_diagonal(away, 1.0)
             share = np.where(np.eye(len(margins), dtype=bool), 1.0, margins / away).prod(axis=1)

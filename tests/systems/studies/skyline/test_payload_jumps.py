@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 import ropeway as rw
+from ropeway.systems.studies.skyline.payload.search import Trial, _guess
+from ropeway.systems.studies.skyline.station_solver import Stations
 from support.random_rigs import Drawn, drawn
 from support.rig_verdicts import Verdict, judge_curve, path_row
 
@@ -68,3 +70,32 @@ def test_the_campaign_finds_a_payload_of_nothing_between_two_others(monkeypatch:
     monkeypatch.setattr(rw, "payload", broken)
     judge_curve(found, case, first)
     assert ("zero", first + 5.0, [60.0, 0.0, 60.0]) in [fault[:3] for fault in found.faults]
+
+
+def test_equal_margins_say_nothing_of_where_a_limit_is_reached() -> None:
+    """Two payloads with the same margin used to divide by zero."""
+    tried = {0.0: 0.5, 1000.0: 0.5, 4000.0: 0.2, 16000.0: -1.0}
+    trials = {mass: Trial("pull", margin=margin, margins={"pull": margin}) for mass, margin in tried.items()}
+    assert 4000.0 < _guess(trials, 4000.0, 16000.0) < 16000.0
+
+
+def test_the_tension_of_a_guyline_is_that_which_its_limit_sees() -> None:
+    """An anchor up a slope is above the top of the spar: the guyline's tension is highest there."""
+    guys = [
+        rw.Guyline("up", at=(-60.0, 0.0, 40.0), rope="compacted skyline 22", pretension=20e3),
+        rw.Guyline("left", at=(20.0, 30.0, 0.0), rope="compacted skyline 22", pretension=20e3),
+        rw.Guyline("right", at=(20.0, -30.0, 0.0), rope="compacted skyline 22", pretension=20e3),
+    ]
+    rig = rw.standing_skyline(
+        None,
+        skyline="compacted skyline 22",
+        headspar=rw.GuyedSpar("head", foot=(0.0, 0.0), height=12.0, guylines=guys),
+        tailspar=rw.TailSpar("tail", at=(300.0, -40.0)),
+        length=307.0,
+        carriage=rw.Carriage("car", mass=400.0),
+    )
+    found = rw.payload(rig, safety_factor=5.0, stations=[140.0], clearance=None).frame.iloc[0]
+    solved = Stations(rig).solve(140.0, float(found.payload))
+    ends = [solved[f"up_head.tension_{end}"] for end in "ab"]
+    assert found.up_tension == pytest.approx(max(ends), rel=1e-9)
+    assert ends[0] > ends[1]  # the end at the anchor

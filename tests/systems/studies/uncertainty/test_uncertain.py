@@ -57,6 +57,8 @@ NORMAL = stats.norm(3.0, 1.0)
     ("make", "words"),
     [
         (lambda: rw.Uncertain({}), "no inputs"),
+        (lambda: rw.Uncertain({"a": NORMAL, "b": NORMAL}, [[1.0], [0.5, 1.0]]), "rows of one length"),
+        (lambda: rw.Uncertain.normal({"a": 1.0, "b": 2.0}, [[1.0], [0.5, 1.0]]), "rows of one length"),
         (lambda: rw.Uncertain({"a": 3.0}), "The distribution of 'a' is 3.0"),
         (lambda: rw.Uncertain({"a": stats.norm(3.0, -1.0)}), "quartiles"),
         (lambda: rw.Uncertain({"a": stats.poisson(3.0)}), "continuous frozen distribution"),
