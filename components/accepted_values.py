@@ -236,9 +236,11 @@ def tuple_like(checks: Sequence[Check | None], expected: str) -> Check:
 
 
 def mapping_of(keys: Check | None, values: Check | None, expected: str, *, text: bool = False) -> Check:
-    """A mapping with checked keys and values; `text`: whether the keys are names."""
+    """A mapping or Series with checked keys and values; `text`: whether the keys are names."""
 
     def mapping(value: Any) -> Any:
+        if hasattr(value, "to_dict") and getattr(value, "ndim", 0) == 1:  # a Series
+            value = value.to_dict()
         if not isinstance(value, Mapping):
             raise RefusedError(value, expected)
         found, sound = {}, values is real and _are_finite(value.values())
@@ -281,10 +283,10 @@ def with_members(members: Sequence[str], expected: str) -> Check:
 
 
 def iterable(value: Any) -> Any:
-    """An iterable other than text."""
-    if hasattr(value, "__iter__") and not isinstance(value, (type, *_TEXTS)):
+    """An iterable other than text, in an order that does not change from run to run."""
+    if hasattr(value, "__iter__") and not isinstance(value, (type, set, frozenset, *_TEXTS)):
         return value
-    raise RefusedError(value, "several values")
+    raise RefusedError(value, "several values in their order")
 
 
 def function_of(count: int | None) -> Check:

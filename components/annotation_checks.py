@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from ropeway.components import accepted_values
@@ -114,6 +115,8 @@ def _union(options: tuple[Any, ...]) -> Check | None:
         del checks[np.ndarray]
         if not any(get_origin(option) is Sequence for option in options):
             checks[ArrayLike] = accepted_values.array
+    if any(get_origin(option) is Mapping for option in options):  # which takes a Series too
+        checks.pop(pd.Series, None)
     if Path in checks:
         del checks[Path]
         checks[str] = accepted_values.path

@@ -94,7 +94,10 @@ class Uncertain:
         if isinstance(covariance, pd.DataFrame):
             if missing := set(names) - set(covariance.index) | set(names) - set(covariance.columns):
                 raise InputError(f"The covariance has no {missing.pop()!r}", "Give it the names of the means")
-            covariance = covariance.loc[names, names].to_numpy(dtype=float)
+            try:
+                covariance = covariance.loc[names, names].to_numpy(dtype=float)
+            except (TypeError, ValueError) as error:
+                raise InputError(f"The covariance is not of numbers: {error}", "Give numbers") from error
         matrix = np.asarray(covariance, dtype=float)
         if matrix.shape != (len(names), len(names)) or not np.all(np.diag(matrix) > 0.0):
             raise InputError(

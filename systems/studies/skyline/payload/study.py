@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -193,6 +194,7 @@ def payload(
     bounds = LoadLimits(safety_factor, others, clearance, rope_clearance, lift_off, *saddles)
     search = PayloadSearch(rig, bounds, compiled=compiled)
     rows: list[StationRow] = []
+    row = cache(search.at)  # a station can be asked for twice
 
     def study() -> PayloadStudy:
         frame = pd.DataFrame(rows)
@@ -201,7 +203,7 @@ def payload(
 
     with keeping(lambda: study().frame):
         for x in where:
-            rows.append(search.at(float(x)))
+            rows.append(row(float(x)))
     return study()
 
 

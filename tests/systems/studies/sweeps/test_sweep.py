@@ -295,6 +295,8 @@ def test_wrong_input_is_reported_before_the_first_case() -> None:
         rw.sweep(1.0, {"length": [1.0]})  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="Give several values"):
         rw.sweep(area, {"width": 1.0})
+    with pytest.raises(rw.InputError, match="several values in their order"):
+        rw.sweep(area, {"width": {1.0, 2.0}})  # it would give its rows in another order each time
     with pytest.raises(rw.InputError, match=r"parameters is \[1\.0\]\. Give a mapping"):
         rw.sweep(area, [1.0])  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="named 'error'"):

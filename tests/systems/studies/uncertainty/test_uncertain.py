@@ -57,6 +57,9 @@ NORMAL = stats.norm(3.0, 1.0)
     ("make", "words"),
     [
         (lambda: rw.Uncertain({}), "no inputs"),
+        (lambda: rw.Uncertain.normal(pd.Series(["a"], index=["b"]), [[1.0]]), r"means\['b'\] is 'a'"),
+        (lambda: rw.Uncertain.normal(pd.Series([1.0, 2.0]), [[1.0, 0.0], [0.0, 1.0]]), "text as each key"),
+        (lambda: rw.Uncertain.normal({"a": 1.0}, pd.DataFrame([["x"]], ["a"], ["a"])), "not of numbers"),
         (lambda: rw.Uncertain({"a": NORMAL, "b": NORMAL}, [[1.0], [0.5, 1.0]]), "rows of one length"),
         (lambda: rw.Uncertain.normal({"a": 1.0, "b": 2.0}, [[1.0], [0.5, 1.0]]), "rows of one length"),
         (lambda: rw.Uncertain({"a": 3.0}), "The distribution of 'a' is 3.0"),
