@@ -82,26 +82,65 @@ class Residuals:
         return ca.vertcat(others, ca.mtimes(blocks, quantities))[order.tolist(), :]
 
 
+@dataclass(frozen=True, eq=False)
+class NestedResiduals(Residuals):
+    """Residuals with `derivatives` (n, nz) by the algebraic variables, which are the `quantities`; `beside` (n, 1) is
+    the part of the value that these do not cover."""
+
+    beside: Any
+
+    def scaled(self, factors: Any) -> NestedResiduals:
+        by_z = ca.mtimes(ca.diag(factors), self.derivatives)
+        return replace(self, value=self.value * factors, derivatives=by_z, beside=self.beside * factors)
+
+    def plus(self, value: Any) -> NestedResiduals:
+        return replace(self, value=self.value + value, beside=self.beside + value)
+
+    def and_also(self, value: Any) -> NestedResiduals:
+        none = type(value)(value.shape[0], self.derivatives.shape[1])
+        return replace(
+            self,
+            value=ca.vertcat(self.value, value),
+            derivatives=ca.vertcat(self.derivatives, none),
+            beside=ca.vertcat(self.beside, value),
+        )
+
+    def only(self, rows: Sequence[int]) -> NestedResiduals:
+        own = list(rows)
+        return replace(self, value=self.value[own], derivatives=self.derivatives[own, :], beside=self.beside[own])
+
+    def jacobian(self, v: Any) -> Any:
+        return ca.jacobian(self.beside, v) + ca.mtimes(self.derivatives, ca.jacobian(self.quantities, v))
+
+    def along(self, moving: Sequence[tuple[Any, Any]]) -> Any:
+        return sum(ca.jtimes(self.value, quantity, rate) for quantity, rate in moving)
+
+
 def equations(model: Model, arguments: Sequence[Any], *, closed: bool = True) -> tuple[Any, Residuals]:
     """Rates of the states and algebraic equations of a model at arguments (t, x, z, u, p, d). Not closed: all of them
     are differentiated, also by parameters and loads."""
+    if closed and model.structure.nested is not None:
+        *_, by_z, ode, alg = derivatives(model).call(arguments)
+        return ode, NestedResiduals(alg, np.zeros(0, dtype=int), arguments[2], by_z, type(alg)(alg.shape[0], 1))
     closures = model.structure.closures if closed else None
     if closures is None:
         ode, alg = expanded(model)(*arguments)
         return ode, Residuals(alg, np.zeros(0, dtype=int), None, None)
-    ode, alg, quantities, derivatives = closures.expanded(*arguments)
-    return ode, Residuals(alg, np.array(closures.rows), quantities, derivatives)
+    ode, alg, quantities, by_quantities = closures.expanded(*arguments)
+    return ode, Residuals(alg, np.array(closures.rows), quantities, by_quantities)
 
 
 @kept_with_structure
 def derivatives(model: Model) -> ca.Function:
-    """(t, x, z, u, p, d) -> derivatives of the rates by x and by z, and of the algebraic equations by x and by z."""
+    """(t, x, z, u, p, d) -> derivatives of the rates by x and by z, and of the algebraic equations by x and by z; the
+    rates and these equations."""
     dae = expanded(model)
     symbols = dae.mx_in() if model.external else dae.sx_in()
     known, count = ca.vertcat(symbols[1], symbols[2]), [0, len(model.x), len(model.x) + len(model.z)]
+    values = dae.call(symbols)
     nested = model.structure.nested
     if nested is None:
-        found = ca.jacobian(ca.vertcat(*dae.call(symbols)), known)
+        found = ca.jacobian(ca.vertcat(*values), known)
     else:
         outer = scalar(model, nested.outer)
         seen = outer.sx_in()
@@ -109,10 +148,11 @@ def derivatives(model: Model) -> ca.Function:
         every = ca.vertcat(ode, alg)
         wanted = [ca.jacobian(every, seen[-1]), *(ca.jacobian(v, ca.vertcat(*seen[1:3])) for v in (every, quantities))]
         parts, own = scalar(model, nested.inner).call(symbols)
-        by_parts, alone, moved = ca.Function("outer_moves", seen, wanted).call([*symbols, parts])
+        moves = ca.Function("outer_moves", seen, [*wanted, ode, alg])
+        by_parts, alone, moved, *values = moves.call([*symbols, parts])
         found = ca.sparsify(alone + ca.mtimes(by_parts, ca.mtimes(own, moved)))
     blocks = ca.blocksplit(found, count, count)
-    return ca.Function("derivatives", symbols, [block for row in blocks for block in row])
+    return ca.Function("derivatives", symbols, [block for row in blocks for block in row] + values)
 
 
 @kept_with_structure

@@ -48,7 +48,7 @@ SLOW, OSCILLATING = Stretch(0.005, 1.0, 1.0, True), Stretch(1.0, 0.02, 10.0, Fal
 def _scaled_moves(model: Model, arguments: Sequence[Any], h: Any, order: tuple[np.ndarray, np.ndarray]) -> list[Any]:
     """Derivatives of the rates and of the scaled algebraic equations, by the states and then by the algebraic
     variables; `order` of the equations and of these."""
-    rates_by_x, rates_by_z, *algebraic = derivatives(model).call(arguments)
+    rates_by_x, rates_by_z, *algebraic = derivatives(model).call(arguments)[:4]
     by_x, by_z = (own * ca.DM(own.sparsity(), 1.0 / model.r.nominals[own.sparsity().row()]) for own in algebraic)
     rows, columns = (part.tolist() for part in order)
     return [h * rates_by_x, by_x[rows, :], h * rates_by_z[:, columns], by_z[rows, columns]]

@@ -101,9 +101,8 @@ class Newton:
         variables [per s], shape (nz,), as the states move on.
 
         A step is shortened to a share of at least `shortest`. With `damping` above 0 each idler's travel is held back
-        in proportion to its move from the start. A scaled residual of `enough` is
-        taken for a root.
-        Raises EquilibriumError; the point is unchanged then.
+        in proportion to its move from the start. A scaled residual of `enough` is taken for a root. Raises
+        EquilibriumError; the point is unchanged then.
         """
         n = len(self.scale)
         if n == 0:
