@@ -10,6 +10,7 @@ import pandas as pd
 
 from ropeway.components.errors import InputError
 from ropeway.components.node import Node
+from ropeway.systems.modelling.intervention import INERTIAL
 from ropeway.systems.results.summary import each_node
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def energy(result: RunData) -> pd.Series:
     """The energy balance of a run [J].
 
     Inputs are drives (work of the control sheaves' drives), ends (work of drums and moving supports, and energy of rope
-    that drums pay out or wind in), loads (weight put on and taken off), take_up (external work on components such as a
+    that drums pay out or wind in), loads (put on and taken off, and payloads that drop), take_up (external work on components such as a
     tensioned return). Gains are gravity, elastic and kinetic energy (of components). Losses are friction and crossings
     (energy lost when a line jumps as a load passes an idler). The residual is zero except for the integration error.
 
@@ -112,6 +113,8 @@ def _with_inertia(result: RunData) -> pd.Series:
                 _add(parts, {"ends": _shift_work(result, r, k) + zeros})
     _add(parts, {"friction": gain(r"\.lost$"), "kinetic": gain(r"\.kinetic_energy$")})
     elastic, gravity = gain(r"\.elastic_energy$"), gain(r"\.gravity_energy$")
+    # A payload that drops leaves with its energy; nothing else changes then.
+    parts["loads"] = parts["loads"] + np.where(_drops(result), gravity + parts["kinetic"], 0.0)
     put_in = parts["drives"] + parts["ends"] + parts["loads"] + parts["take_up"]
     remainder = put_in - parts["friction"] - elastic - gravity - parts["kinetic"]
     moving, damped = remainder[~still].sum(), result.model.inertia is not None and result.model.inertia.damping > 0.0
@@ -128,6 +131,14 @@ def _with_inertia(result: RunData) -> pd.Series:
         },
         name="energy [J]",
     )
+
+
+def _drops(result: RunData) -> np.ndarray:
+    """Whether a payload drops in each interval."""
+    name, index = INERTIAL["payload dropped"][0], result.model.d.index
+    own = [index[key] for node in each_node(result.runs) if (key := f"{node.name}.{name}") in index]
+    values = result.records.rows(np.arange(len(result.records))).kept[:, np.isin(result.model.kept, own)]
+    return np.asarray((np.diff(values, axis=0) != 0.0).any(axis=1))
 
 
 def _load_speed(result: RunData, r: int) -> np.ndarray:

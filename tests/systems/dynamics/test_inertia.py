@@ -154,6 +154,10 @@ def test_a_payload_dropped_from_a_skyline_keeps_the_energy() -> None:
     assert before["head_carriage.tension_a"].to_numpy() == pytest.approx(rest["head_carriage.tension_a"], rel=1e-9)
     energy = result.energy()
     assert abs(energy["residual"]) < 1e-4 * result.full_frame["carriage.kinetic_energy"].max()
+    # The payload takes its weight times its height with it; no support is crossed.
+    taken = -9.80665 * system.components["carriage"].payload * rest["carriage.z"]
+    assert energy["loads"] == pytest.approx(taken, rel=1e-6)
+    assert abs(energy["crossings"]) < 1e-6 * abs(taken)
     assert result.frame["carriage.z"].max() > rest["carriage.z"] + 2.0
 
 
