@@ -48,9 +48,10 @@ def energy(result: RunData) -> pd.Series:
     """The energy balance of a run [J].
 
     Inputs are drives (work of the control sheaves' drives), ends (work of drums and moving supports, and energy of rope
-    that drums pay out or wind in), loads (put on and taken off, and payloads that drop), take_up (external work on components such as a
-    tensioned return). Gains are gravity, elastic and kinetic energy (of components). Losses are friction and crossings
-    (energy lost when a line jumps as a load passes an idler). The residual is zero except for the integration error.
+    that drums pay out or wind in), loads (put on and taken off, and payloads that drop), take_up (external work on
+    components such as a tensioned return). Gains are gravity, elastic and kinetic energy (of components). Losses are
+    friction and crossings (energy lost when a line jumps as a load passes an idler). The residual is zero except for
+    the integration error.
 
     With inertia kinetic energy is also that of ropes, loads and idlers, and crossings is the energy lost as loads come
     near supports and leave them. What the damping of the rope takes is `damping`, with the integration error in it; a
