@@ -85,6 +85,7 @@ def test_table_and_picture() -> None:
     assert factors.loc["a_c", "kind"] == "rope"
     assert summary.spans["dynamic_factor"].max() == pytest.approx(frame["dynamic_factor"].iloc[1])
     assert "Largest dynamic factor" in str(summary)
+    assert "peaks between them" not in str(summary)
     assert (hard.swing()["swing"] >= 0.0).all()
     assert "deceleration [m/s2]" in stops._repr_html_()
     figure = stops.plot()
