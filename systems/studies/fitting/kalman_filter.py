@@ -6,6 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ropeway.components.check import Range
+from ropeway.components.errors import InputError
+
+_MOST = 1e12
+"""Largest condition number of the correlation of the measured values."""
+_LEAST = 1e-3
+"""Least value of what is above zero, such as the mass of a load [kg]."""
+
 
 class KalmanFilter:
     """Estimates of named constants: `state` (n,) and their `covariance` (n, n), in the order of `names`."""
@@ -33,14 +41,30 @@ class KalmanFilter:
 
     def drift(self, sigma: np.ndarray) -> None:
         """Adds independent random changes with standard deviations (n,)."""
-        self.covariance[np.diag_indices(len(sigma))] += sigma**2
+        with np.errstate(over="ignore"):  # `correct` refuses it
+            self.covariance[np.diag_indices(len(sigma))] += sigma**2
 
     def correct(self, off: np.ndarray, rates: np.ndarray, sigma: np.ndarray) -> np.ndarray:
         """Corrects the estimates by measured minus predicted values (m,), whose predictions change by `rates` (m, n),
-        with standard deviations (m,). Returns `off` over its standard deviation."""
-        spread = rates @ self.covariance @ rates.T + np.diag(sigma**2)
-        gain = np.linalg.solve(spread, rates @ self.covariance).T
+        with standard deviations (m,). Returns `off` over its standard deviation. Raises InputError."""
+        with np.errstate(all="ignore"):  # of numbers that are refused below
+            spread = rates @ self.covariance @ rates.T + np.diag(sigma**2)
+            deviation = np.sqrt(np.diag(spread))
+            unit, moved = spread / np.outer(deviation, deviation), rates @ self.covariance / deviation[:, None]
+        if not (np.isfinite(unit).all() and np.linalg.cond(unit) < _MOST):
+            raise InputError(
+                f"Measured values are known to {sigma.min():g}, but expected to {deviation.max():g}: more apart than "
+                "numbers resolve",
+                "Give sigma, prior and drift the standard deviations that gauges and loads have, in SI units",
+            )
+        gain = np.linalg.solve(unit, moved).T / deviation
         self.state = self.state + gain @ off
         rest = np.eye(len(self.state)) - gain @ rates
         self.covariance = rest @ self.covariance @ rest.T + (gain * sigma**2) @ gain.T
-        return np.asarray(off / np.sqrt(np.diag(spread)))
+        return np.asarray(off / deviation)
+
+    def keep_within(self, ranges: Sequence[Range]) -> None:
+        """Moves the estimates that have left their ranges to the nearest value in them."""
+        for i, allowed in enumerate(ranges):
+            least = allowed.least + allowed.above * _LEAST
+            self.state[i] = min(max(self.state[i], least), allowed.most)

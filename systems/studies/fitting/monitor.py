@@ -89,7 +89,8 @@ def monitor(
     columns : mapping of str to str
         The quantity of each column, as for `fit`: one is "time", results are measured, inputs are given.
     free : str or sequence of str
-        Masses of loads ("l7.mass"; `"*.mass"` for all, as they come on the line), and parameters ("s3.friction").
+        Masses of loads ("l7.mass"; `"*.mass"` for all, as they come on the line), which stay above zero, and parameters
+        ("s3.friction"), which stay in their ranges.
     sigma : float or mapping of str to float
         Standard deviation of the measured values, in SI units; by column.
     prior : mapping of str to (float, float), optional
@@ -106,7 +107,8 @@ def monitor(
     Raises
     ------
     InputError, UnknownNameError
-        An unknown quantity, a missing time, or a responding control sheave whose speed is not given.
+        An unknown quantity, a missing time, a prior or drift of what is not free, or a responding control sheave whose
+        speed is not given.
     EquilibriumError
         The line has no equilibrium to start from.
 
@@ -175,6 +177,11 @@ class Monitor(Tabular):
             raise InputError(f"{unknown[0]} cannot be given over time", "Only inputs, such as speeds, vary in a run")
         self._sigma = _sigmas(self._measured, sigma)
         self._prior, self._drift = dict(prior or {}), dict(drift or {})
+        for what, keys in (("prior", self._prior), ("drift", self._drift)):
+            if unused := [k for k in keys if not any(fnmatchcase(k, n) or fnmatchcase(n, k) for n in names)]:
+                raise UnknownNameError(f"{what} has {unused[0]!r}, which is not free", f"Free are {', '.join(names)}")
+        for key, value in self._drift.items():
+            check.not_negative(value, "monitor", f"drift of {key}")
         self._line = MovingLine(source.rest, given)
         self._patterns = [name for name in names if "*" in name or name.endswith(".mass")]
         self._filter = KalmanFilter()
@@ -232,7 +239,7 @@ class Monitor(Tabular):
         Raises
         ------
         InputError
-            The row has no time, or is before the last one.
+            The row has no time, or is before the last one; or deviations are further apart than numbers resolve.
         SimulationError
             The line cannot be followed.
         """
@@ -264,6 +271,7 @@ class Monitor(Tabular):
         off = np.array([values[self._measured[i].target] - state.read(self._measured[i].target) for i in used])
         rates = np.array([state.rates(self._measured[i].target) for i in used])
         misses = self._filter.correct(off, rates, self._sigma[used])
+        self._filter.keep_within([self._line.range_of(name) for name in self._filter.names])
         return {self._measured[i].name: float(miss) for i, miss in zip(used, misses, strict=True)}
 
     def _follow_loads(self) -> None:
@@ -287,6 +295,8 @@ class Monitor(Tabular):
         """Adds a free quantity with its prior. Raises InputError."""
         value, sigma = _of(self._prior, name, (declared, _KNOWN_TO * abs(declared)))
         check.positive(sigma, "monitor", f"standard deviation of {name}")
+        if words := self._line.range_of(name).refuses(value):
+            raise InputError(f"monitor: the expected value of {name} is {value:g}", f"Give {words}")
         self._filter.add(name, value, sigma)
 
     def _estimate(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from ropeway.components.check import POSITIVE, Range
 from ropeway.components.errors import EquilibriumError, InputError, SimulationError
 from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind
@@ -100,6 +101,11 @@ class MovingLine:
         for run, passed in zip(self.state.runs, self.state.passed, strict=True):
             found += [run.loads.names[i] for i in range(passed[-1], passed[0]) if run.loads.mass[i] > 0.0]
         return list(dict.fromkeys(found))
+
+    def range_of(self, name: str) -> Range:
+        """Values that a parameter or the mass of a load may have."""
+        table = self.state.model.tables[Kind.PARAMETER]
+        return table.ranges[table.index[name]] if name in table.index else POSITIVE
 
 
 def _declared(model: Model, given: list[str]) -> list[Signal]:

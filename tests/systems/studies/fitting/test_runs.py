@@ -137,12 +137,50 @@ def test_rows_from_an_iterator_with_gaps() -> None:
         ({"free": []}, "free is empty"),
         ({"free": "c1.tension_in"}, "cannot be estimated"),
         ({"sigma": {"B": 1.0}}, "no value for A"),
+        ({"drift": {"*.mass": -1.0}}, "zero or more"),
+        ({"drift": {"l3.mas": 1.0}}, "drift has 'l3.mas', which is not free"),
+        ({"prior": {"c1.friction": (0.1, 0.1)}}, "prior has 'c1.friction', which is not free"),
     ],
 )
 def test_monitors_that_cannot_be(change: dict[str, Any], message: str) -> None:
     arguments = {"columns": {"t": "time", "A": "c1.tension_in"}, "free": "*.mass", "sigma": 100.0} | change
     with pytest.raises(rw.InputError, match=message):
         rw.monitor(line(), **arguments)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"sigma": 1e-9}, {"sigma": 1e200}, {"prior": {"*.mass": (300.0, 1e15)}}, {"drift": {"*.mass": 1e200}}],
+)
+def test_deviations_beyond_the_digits_of_numbers_are_refused(change: dict[str, Any]) -> None:
+    """Two gauges on one span would be one to them."""
+    arguments: dict[str, Any] = {"free": "*.mass", "sigma": 100.0} | change
+    columns = {"t": "time", "A": "s1_s2.tension_a", "B": "s1_s2.tension_b"}
+    watch = rw.monitor(loaded_span(), columns=columns, **arguments)
+    with pytest.raises(rw.InputError, match="more apart than numbers resolve"):
+        list(watch.follow([{"t": t, "A": 40e3, "B": 41e3} for t in (0.0, 1.0)]))
+
+
+def test_a_mass_stays_above_zero() -> None:
+    """Tensions far below those of the empty rope contradict the model: no load is lighter than nothing."""
+    watch = rw.monitor(loaded_span(), columns={"t": "time", "A": "s1_s2.tension_a"}, free="*.mass", sigma=1.0)
+    now = watch.update({"t": 0.0, "A": 1e3})
+    assert 0.0 < now.value["turn.mass"] < 1.0
+    assert now.misses["A"] < -2.0
+    with pytest.raises(rw.InputError, match=r"expected value of turn\.mass is -5"):
+        rw.monitor(
+            loaded_span(), columns={"t": "time", "A": "s1_s2.tension_a"}, free="*.mass", sigma=1.0,
+            prior={"*.mass": (-5.0, 1.0)},
+        ).update({"t": 0.0, "A": 1e3})  # fmt: skip
+
+
+def loaded_span() -> rw.System:
+    """A turn on a standing rope."""
+    s = rw.System("span")
+    ends = rw.Anchor("s1", at=(0.0, 0.0)), rw.Anchor("s2", at=(100.0, 5.0))
+    (span,) = s.string(ROPE, *ends, length=100.6)
+    s.hang(rw.Load("turn", mass=500.0), span, at=40.0)
+    return s
 
 
 def test_a_responding_sheave_needs_its_speed() -> None:
