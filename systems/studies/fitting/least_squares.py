@@ -19,6 +19,8 @@ _HELD = 1e-9
 """Weight of the declared values, relative to the largest one of the measured values."""
 _MOST = 100
 """Largest number of predictions."""
+_HUGE = 1e100
+"""Numbers whose squares, and sums of them, are far from the largest and the smallest one."""
 _ACCURACY = 1e-8
 """Relative change of the quantities, and of the sum of squares, at which the iteration ends."""
 
@@ -51,6 +53,17 @@ class Solution:
     variance: float
 
 
+def _require_finite_squares(off: np.ndarray, rates: np.ndarray) -> None:
+    """Raises InputError where residuals over their standard deviations, or the derivatives of these, have squares that
+    no number holds."""
+    largest = np.abs(rates).max(initial=0.0)
+    if not (np.abs(off).max(initial=0.0) < _HUGE and largest < _HUGE) or 0.0 < largest < 1.0 / _HUGE:
+        raise InputError(
+            "Deviations over their sigma or that of their prior are outside the floating-point range",
+            "Check their units; one value is far too large or too small",
+        )
+
+
 class Problem:
     """Residuals of a fit over their standard deviations, and their derivatives; priors are the last residuals."""
 
@@ -79,7 +92,8 @@ class Problem:
         from scipy.optimize import least_squares
 
         inner = self._inside(start)
-        rates = self.at(inner)[1]  # the errors of the start are those of the user's declarations
+        off, rates, _ = self.at(inner)  # the errors of the start are those of the user's declarations
+        _require_finite_squares(off, rates)
         count, lost = len(self.measured), list[str]()
         # Combinations that change nothing measured stay as declared.
         held = _HELD * np.linalg.norm(rates * self.prior.scale, 2) / self.prior.scale

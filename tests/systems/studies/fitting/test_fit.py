@@ -211,3 +211,14 @@ def test_a_sigma_below_rounding_is_refused(sigma: float | dict[str, float]) -> N
     case = standing_case()
     with pytest.raises(rw.InputError, match="less than the rounding"):
         rw.fit(case.system, case.exact, columns=case.columns, free="tension", sigma=sigma)
+
+
+@pytest.mark.parametrize(
+    ("sigma", "prior"), [(1e200, {}), (10.0, {"tension": (5e4, 1e-250)}), (10.0, {"tension": (1e250, 1.0)})]
+)
+def test_deviations_whose_squares_no_number_holds_are_refused(
+    sigma: float, prior: dict[str, tuple[float, float]]
+) -> None:
+    case = standing_case()
+    with pytest.raises(rw.InputError, match="outside the floating-point range"):
+        rw.fit(case.system, case.exact, columns=case.columns, free="tension", sigma=sigma, prior=prior)
