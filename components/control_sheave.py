@@ -162,7 +162,9 @@ def _seen_by_drive(v: Any, outputs: Mapping[str, Any]) -> SimpleNamespace:
 
 def grip_margin(friction: Any, wrap: Any, turns: Any, tight: Any, slack: Any) -> Any:
     """Grip margin of a rope on a sheave: exp(mu wrap) minus tight over slack tension."""
-    return namespace(tight).exp(friction * (wrap + 2.0 * math.pi * turns)) - tight / slack
+    xp = namespace(tight)
+    # Beyond this exponent no rope slips, and exp would be infinite.
+    return xp.exp(xp.fmin(friction * (wrap + 2.0 * math.pi * turns), 100.0)) - tight / slack
 
 
 @checked
