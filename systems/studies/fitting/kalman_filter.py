@@ -6,28 +6,28 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ropeway.components.check import Range
 from ropeway.components.errors import InputError
 
 _MOST = 1e12
 """Largest condition number of the correlation of the measured values."""
-_LEAST = 1e-3
-"""Least value of what is above zero, such as the mass of a load [kg]."""
 
 
 class KalmanFilter:
-    """Estimates of named constants: `state` (n,) and their `covariance` (n, n), in the order of `names`."""
+    """Estimates of named constants: `state` (n,), from `low` to `high`, and their `covariance` (n, n), in the order of
+    `names`."""
 
     def __init__(self) -> None:
         self.names: list[str] = []
-        self.state = np.zeros(0)
+        self.state, self.low, self.high = np.zeros(0), np.zeros(0), np.zeros(0)
         self.covariance = np.zeros((0, 0))
 
-    def add(self, name: str, value: float, sigma: float) -> None:
+    def add(self, name: str, value: float, sigma: float, low: float, high: float) -> None:
         """Adds a constant that is known to a standard deviation, independently of the others."""
         n = len(self.names)
         self.names.append(name)
-        self.state = np.append(self.state, value)
+        self.state, self.low, self.high = (
+            np.append(own, new) for own, new in ((self.state, value), (self.low, low), (self.high, high))
+        )
         covariance = np.zeros((n + 1, n + 1))
         covariance[:n, :n] = self.covariance
         covariance[n, n] = sigma**2
@@ -37,7 +37,8 @@ class KalmanFilter:
         """Drops constants that no longer matter."""
         kept = [i for i, name in enumerate(self.names) if name not in names]
         self.names = [self.names[i] for i in kept]
-        self.state, self.covariance = self.state[kept], self.covariance[np.ix_(kept, kept)]
+        self.state, self.low, self.high = self.state[kept], self.low[kept], self.high[kept]
+        self.covariance = self.covariance[np.ix_(kept, kept)]
 
     def drift(self, sigma: np.ndarray) -> None:
         """Adds independent random changes with standard deviations (n,)."""
@@ -58,13 +59,7 @@ class KalmanFilter:
                 "Give sigma, prior and drift the standard deviations that gauges and loads have, in SI units",
             )
         gain = np.linalg.solve(unit, moved).T / deviation
-        self.state = self.state + gain @ off
+        self.state = np.clip(self.state + gain @ off, self.low, self.high)
         rest = np.eye(len(self.state)) - gain @ rates
         self.covariance = rest @ self.covariance @ rest.T + (gain * sigma**2) @ gain.T
         return np.asarray(off / deviation)
-
-    def keep_within(self, ranges: Sequence[Range]) -> None:
-        """Moves the estimates that have left their ranges to the nearest value in them."""
-        for i, allowed in enumerate(ranges):
-            least = allowed.least + allowed.above * _LEAST
-            self.state[i] = min(max(self.state[i], least), allowed.most)

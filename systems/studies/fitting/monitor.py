@@ -271,7 +271,6 @@ class Monitor(Tabular):
         off = np.array([values[self._measured[i].target] - state.read(self._measured[i].target) for i in used])
         rates = np.array([state.rates(self._measured[i].target) for i in used])
         misses = self._filter.correct(off, rates, self._sigma[used])
-        self._filter.keep_within([self._line.range_of(name) for name in self._filter.names])
         return {self._measured[i].name: float(miss) for i, miss in zip(used, misses, strict=True)}
 
     def _follow_loads(self) -> None:
@@ -295,9 +294,7 @@ class Monitor(Tabular):
         """Adds a free quantity with its prior. Raises InputError."""
         value, sigma = _of(self._prior, name, (declared, _KNOWN_TO * abs(declared)))
         check.positive(sigma, "monitor", f"standard deviation of {name}")
-        if words := self._line.range_of(name).refuses(value):
-            raise InputError(f"monitor: the expected value of {name} is {value:g}", f"Give {words}")
-        self._filter.add(name, value, sigma)
+        self._filter.add(name, value, sigma, *self._line.bounds_of(name, value))
 
     def _estimate(
         self, time: float, line: Equilibrium, state: LinearState, moved: np.ndarray, misses: Mapping[str, float]

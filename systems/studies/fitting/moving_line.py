@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from ropeway.components.check import POSITIVE, Range
+from ropeway.components.check import POSITIVE
 from ropeway.components.errors import EquilibriumError, InputError, SimulationError
 from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind
@@ -21,6 +21,8 @@ _LONGEST = 3600.0
 """Longest time between two rows [s]."""
 _TOLERANCE = 1e-6
 """Tolerance of the integration of drives."""
+_NEAREST = 1e-3
+"""How near an estimate comes to a limit that it stays above, as a share of the distance of its expected value."""
 
 
 class MovingLine:
@@ -102,10 +104,15 @@ class MovingLine:
             found += [run.loads.names[i] for i in range(passed[-1], passed[0]) if run.loads.mass[i] > 0.0]
         return list(dict.fromkeys(found))
 
-    def range_of(self, name: str) -> Range:
-        """Values that a parameter or the mass of a load may have."""
+    def bounds_of(self, name: str, value: float) -> tuple[float, float]:
+        """The least and the largest estimate of a parameter or the mass of a load with an expected value. Raises
+        InputError where this one is outside its range."""
         table = self.state.model.tables[Kind.PARAMETER]
-        return table.ranges[table.index[name]] if name in table.index else POSITIVE
+        allowed = table.ranges[table.index[name]] if name in table.index else POSITIVE
+        if words := allowed.refuses(value):
+            raise InputError(f"monitor: the expected value of {name} is {value:g}", f"Give {words}")
+        low = allowed.least + _NEAREST * (value - allowed.least) if allowed.above else allowed.least
+        return low, allowed.most
 
 
 def _declared(model: Model, given: list[str]) -> list[Signal]:

@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
+from support.drives import hydraulic_drive
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 SUPPORTS = pd.DataFrame(
@@ -172,6 +173,16 @@ def test_a_mass_stays_above_zero() -> None:
             loaded_span(), columns={"t": "time", "A": "s1_s2.tension_a"}, free="*.mass", sigma=1.0,
             prior={"*.mass": (-5.0, 1.0)},
         ).update({"t": 0.0, "A": 1e3})  # fmt: skip
+
+
+def test_a_small_parameter_keeps_its_value() -> None:
+    """A flow of 0.4 l/s: a limit that were not relative would move it. At rest no tension depends on it."""
+    s, drive = rw.System("driven"), hydraulic_drive(pump_flow=4e-4)
+    ends = rw.Drum("a", at=(0.0, 0.0)), rw.Drum("b", at=(200.0, 4.0), tension=45e3)
+    s.string(ROPE, ends[0], rw.ControlSheave("c", at=(100.0, 10.0), drive=drive), ends[1], length=201.5)
+    watch = rw.monitor(s, columns={"t": "time", "A": "c.tension_in"}, free="c.pump_flow", sigma=100.0)
+    now = watch.update({"t": 0.0, "A": 40e3})
+    assert now.value["c.pump_flow"] == pytest.approx(4e-4, rel=1e-9)
 
 
 def loaded_span() -> rw.System:
