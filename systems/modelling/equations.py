@@ -112,9 +112,6 @@ class NestedResiduals(Residuals):
     def jacobian(self, v: Any) -> Any:
         return ca.jacobian(self.beside, v) + ca.mtimes(self.derivatives, ca.jacobian(self.quantities, v))
 
-    def along(self, moving: Sequence[tuple[Any, Any]]) -> Any:
-        return sum(ca.jtimes(self.value, quantity, rate) for quantity, rate in moving)
-
 
 def equations(model: Model, arguments: Sequence[Any], *, closed: bool = True) -> tuple[Any, Residuals]:
     """Rates of the states and algebraic equations of a model at arguments (t, x, z, u, p, d). Not closed: all of them
@@ -137,9 +134,9 @@ def derivatives(model: Model) -> ca.Function:
     dae = expanded(model)
     symbols = dae.mx_in() if model.external else dae.sx_in()
     known, count = ca.vertcat(symbols[1], symbols[2]), [0, len(model.x), len(model.x) + len(model.z)]
-    values = dae.call(symbols)
     nested = model.structure.nested
     if nested is None:
+        values = dae.call(symbols)
         found = ca.jacobian(ca.vertcat(*values), known)
     else:
         outer = scalar(model, nested.outer)

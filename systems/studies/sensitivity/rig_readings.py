@@ -11,6 +11,7 @@ from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.modelling.dae_model import nearest
 from ropeway.systems.studies.sensitivity.reading import Reading
 from ropeway.systems.studies.skyline.carriage_model import Solved
+from ropeway.systems.studies.skyline.rope_tensions import guyline_ends
 from ropeway.systems.studies.skyline.station_row import UNITS
 
 _LINES = ("mainline", "haulback")
@@ -74,7 +75,7 @@ def rig_columns(solved: Solved) -> dict[str, Callable[[], Reading]]:
             found[f"{prefix}_compression"] = _single(f"{spar.name}.compression")
             found[f"{prefix}_lean"] = _single(f"{spar.name}.lean")
             for guy in spar.guylines:
-                ends = [f"{guy.name}_{spar.name}.tension_{end}" for end in "ab"]
+                ends = guyline_ends(guy.name, spar)
                 found[f"{guy.name}_tension"] = lambda ends=ends: _highest(solved, ends)  # type: ignore[misc]
     return found
 

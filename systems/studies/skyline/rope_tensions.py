@@ -41,9 +41,14 @@ def anchor_tension(solved: Solved) -> float:
     return solved[f"{solved.at.model.runs[solved.at.skyline].spans[-1].name}.tension_b"]
 
 
+def guyline_ends(guyline: str, spar: GuyedSpar) -> list[str]:
+    """Names of the tensions at the two ends of a guyline."""
+    return [f"{guyline}_{spar.name}.tension_{end}" for end in "ab"]
+
+
 def guyline_tension(solved: Solved, guyline: str, spar: GuyedSpar) -> float:
     """Higher tension of the two ends of a guyline [N]."""
-    return max(solved[f"{guyline}_{spar.name}.tension_{end}"] for end in "ab")
+    return max(solved[name] for name in guyline_ends(guyline, spar))
 
 
 def break_angle(solved: Solved, support: IntermediateSupport) -> float:

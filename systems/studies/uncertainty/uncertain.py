@@ -90,7 +90,7 @@ class Uncertain:
         """
         from scipy.stats import norm
 
-        names = [str(name) for name in means.keys()]  # noqa: SIM118  # a Series iterates over its values
+        names = list(means.keys())
         if isinstance(covariance, pd.DataFrame):
             if missing := set(names) - set(covariance.index) | set(names) - set(covariance.columns):
                 raise InputError(f"The covariance has no {missing.pop()!r}", "Give it the names of the means")
