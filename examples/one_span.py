@@ -47,7 +47,7 @@ def main(folder: Path) -> None:
     )
     for name, x, z in (("a", 0.0, 0.0), ("b", 400.0, -60.0)):
         axis.annotate(name, (x, z), xytext=(8, 4), textcoords="offset points")
-    axis.legend(fontsize="small", loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3, frameon=False)
+    figure.legend(fontsize="small", loc="outside lower center", ncols=3, frameon=False)
     axis.margins(y=0.12)
     axis.grid(alpha=0.3)
     figure.savefig(folder / "one_span.png", dpi=110)
