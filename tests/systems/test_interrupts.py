@@ -302,7 +302,7 @@ def test_worker_processes_end() -> None:
 @pytest.mark.slow
 def test_every_long_call_stops() -> None:
     response = rw.ThresholdResponse(low=30e3, high=60e3, increment=0.01)
-    tuned = {"over": {"increment": (0.002, 0.05)}, "minimise": "peak tension", "until": 60.0, "workers": 1}
+    tuned = {"over": {"increment": (0.002, 0.05)}, "minimise": "peak tension", "until": 600.0, "workers": 1}
     long_line = line(12, 3)
     result = rw.simulate(long_line, 600.0)
     calls: dict[str, tuple[Callable[[], Any], type]] = {
