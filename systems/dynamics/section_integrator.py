@@ -13,14 +13,16 @@ from ropeway.systems.dynamics.chattering import ChatterGuard
 from ropeway.systems.dynamics.line_stepper import LEAST_STEP, LONGEST_STEP, LineMotion, LineStepper
 from ropeway.systems.dynamics.load_events import LoadEvents
 from ropeway.systems.dynamics.recorder import Recorder
-from ropeway.systems.solvers.drive_trajectories import NODES, Window, drives_of
+from ropeway.systems.solvers.drive_trajectories import NODES, Drives, Window, drives_of
 from ropeway.systems.statics.line_state import LineState
 
 _SHORT_WINDOW = 1e-3
 """Window [s] of the drives' motion that is not shortened where a polynomial does not follow it."""
 
-_EARLY, _INSIDE, _LATE = np.array([2, 4, 6]), np.array([4, 6, 8]), np.array([8, 10])
-"""Those of a window's points at which limits are checked: in its first half, within it, in its second half."""
+_CHECKED = np.arange(2, len(NODES), 2)
+"""Those of a window's points at which limits are checked."""
+_LEAST_FREE = 0.02
+"""Window [s] below which a drive that nears a limit is integrated with the line."""
 
 
 class UnforeseenError(Exception):
@@ -45,14 +47,23 @@ class SectionIntegrator:
             return None
         slope = line.slope(stop)
         end = min(stop, line.time + LONGEST_STEP) if drives.ties else stop
-        window = drives.window(line.state.point, end - line.time, motion.x, slope)
-        while np.any(window.unresolved > line.tolerance * line.state.model.x.nominals) and window.h > _SHORT_WINDOW:
-            window = drives.window(line.state.point, window.h / 2.0, motion.x, slope)
-        end = window.start + window.h
-        tangent = line.state.point.z + np.outer(NODES[_EARLY] * window.h, motion.z)
-        if not drives.alone(window, line.state.point, slope, _EARLY, tangent):
-            return None
-        return self.attempt(window, end, motion, stop)
+        window = self._window(drives, end - line.time, motion, slope)
+        return None if window is None else self.attempt(window, window.start + window.h, motion, stop)
+
+    def _window(self, drives: Drives, h: float, motion: LineMotion, slope: np.ndarray) -> Window | None:
+        """The drives' motion over `h` seconds or less. They are moved with the algebraic variables as they are now, and
+        must be free with these: None where they soon are not."""
+        line, point = self.line, self.line.state.point
+        now = np.tile(point.z, (len(_CHECKED), 1))
+        while True:
+            window = drives.window(point, h, motion.x, slope)
+            if drives.alone(window, point, slope, _CHECKED, now):
+                coarse = bool(np.any(window.unresolved > line.tolerance * line.state.model.x.nominals))
+                if not coarse or h <= _SHORT_WINDOW:
+                    return window
+            elif h <= _LEAST_FREE:
+                return None
+            h /= 2.0
 
     def attempt(self, window: Window, end: float, motion: LineMotion, stop: float) -> LineMotion | None:
         """Advances through a window, or, where loads cross before the time that rates predict, a part of it. None, and
@@ -63,7 +74,7 @@ class SectionIntegrator:
         while end > begin:
             try:
                 done = self._recording(window, end, motion, stop, strict=not overrun and end - begin > LEAST_STEP)
-                if done is not None and self.stayed_alone(window, saved, done):
+                if done is not None and self.stayed_alone(window, saved, motion, done):
                     return done
                 end = begin
             except UnforeseenError:  # over a shorter step rates predict it
@@ -73,20 +84,26 @@ class SectionIntegrator:
             self.recorder.rewind(checkpoint)
         return None
 
-    def stayed_alone(self, window: Window, start: LineState, motion: LineMotion) -> bool:
-        """Whether no limit of a drive has been active since the window's start; `motion`: the rates now. Between the
-        two the algebraic variables are between the chord and the nearer of both tangents, of which that there has been
-        checked."""
+    def stayed_alone(self, window: Window, start: LineState, first: LineMotion, motion: LineMotion) -> bool:
+        """Whether no limit of a drive has been active since the window's start; `first`: the rates there, `motion`: the
+        rates now. Between the two the algebraic variables follow a cubic polynomial; where loads have crossed, their
+        rates have jumped, and they are near the tangents at its ends and the chord between."""
         line, begin, now = self.line, start.point, self.line.state.point
-        if not line.state.standing() and not drives_of(line.state.model, line.tolerance).decoupled(now):
+        drives = drives_of(start.model, line.tolerance)
+        if not line.state.standing() and not drives.decoupled(now):
             return False
         duration = max(now.t - begin.t, 1e-9)
-        inside, late = (nodes[NODES[nodes] * window.h < duration - 1e-9] for nodes in (_INSIDE, _LATE))
-        chord = begin.z + np.outer(NODES[inside] * window.h / duration, now.z - begin.z)
-        tangent = now.z + np.outer(NODES[late] * window.h - duration, motion.z)
-        which, slope = np.concatenate([inside, late]), (now.u - begin.u) / duration
-        drives = drives_of(start.model, line.tolerance)
-        return drives.alone(window, begin, slope, which, np.concatenate([chord, tangent]))
+        inside = _CHECKED[NODES[_CHECKED] * window.h < duration - 1e-9]
+        passed = (NODES[inside] * window.h)[:, None]
+        part, moved = passed / duration, now.z - begin.z
+        z = begin.z + part * moved
+        if np.array_equal(begin.d, now.d):
+            bends = (1.0 - part) * (duration * first.z - moved) + part * (moved - duration * motion.z)
+            z += part * (1.0 - part) * bends
+        else:
+            z = np.where(part < 0.2, begin.z + passed * first.z, z)
+            z = np.where(part > 0.8, now.z + (passed - duration) * motion.z, z)
+        return drives.alone(window, begin, (now.u - begin.u) / duration, inside, z)
 
     def _recording(
         self, window: Window, end: float, motion: LineMotion, stop: float, *, strict: bool

@@ -241,11 +241,12 @@ static int trajectory(const rs_line *l, const rs_point *q, const rs_motion *m, c
     if (!linear && !collocate(l, q, m, s, r, i, h)) return RS_PASSED;
     if (terms > 2 || !linear) /* else a polynomial already */
         if (!resolved(l, s, i, h)) return RS_PASSED;
-    for (int j = 1; j < RS_NODES && !linear && s->tied[form]; j++) {
-        predict(s, r, i, h * s->nodes[j]);
-        rs_drive(l, q, m, s, r, i, h * s->nodes[j], s->window + j * l->nx + s->x[i]);
-        if (rs_feels(l, s, r, i)) return RS_COUPLED;
-    }
+    for (int j = 1; j < RS_NODES && !linear && s->tied[form]; j++)
+        for (int now = 1; now >= 0; now--) { /* it is moved with the forces as they are now */
+            predict(s, r, i, now ? 0.0 : h * s->nodes[j]);
+            rs_drive(l, q, m, s, r, i, h * s->nodes[j], s->window + j * l->nx + s->x[i]);
+            if (rs_feels(l, s, r, i)) return RS_COUPLED;
+        }
     return RS_REACHED;
 }
 

@@ -108,7 +108,7 @@ class Drives:
                 "ode": h * (moving - rate) / model.x.nominals,
             }
             options = {
-                "abstol": strict(tolerance, 0.1),
+                "abstol": strict(tolerance, 0.05),
                 "reltol": 0.0,
                 # The deviations and their rates begin at zero.
                 "calc_ic": False,

@@ -42,7 +42,7 @@ class Stretch(NamedTuple):
     follows: bool
 
 
-SLOW, OSCILLATING = Stretch(0.005, 1.0, 1.0, True), Stretch(1.0, 0.02, 10.0, False)
+SLOW, OSCILLATING = Stretch(5e-4, 1.0, 1.0, True), Stretch(1.0, 0.02, 10.0, False)
 
 
 def _scaled_moves(model: Model, arguments: Sequence[Any], h: Any, order: tuple[np.ndarray, np.ndarray]) -> list[Any]:

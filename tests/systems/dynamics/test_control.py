@@ -1,5 +1,6 @@
 """Lines with hydraulic drives and responses: limits, energy, shared power, stops, endless ropes."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from ropeway.systems.dynamics.line_stepper import LineMotion
 from ropeway.systems.dynamics.section_integrator import SectionIntegrator
 from support import schedule_lines
 from support.drives import hydraulic_drive
+from support.runs import random_run
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 LINE = Path(__file__).resolve().parents[3] / "examples" / "line.csv"
@@ -104,6 +106,22 @@ def test_integration_by_sections_and_as_a_whole_agree(monkeypatch: pytest.Monkey
     crossings = [r.events[r.events["event"].str.startswith("crossing")] for r in (by_sections, whole)]
     assert list(crossings[0]["load"]) == list(crossings[1]["load"])
     assert crossings[0]["time"].to_numpy() == pytest.approx(crossings[1]["time"].to_numpy(), abs=2e-5)
+
+
+@pytest.mark.parametrize("seed", [9242086, 9213047])
+def test_a_limit_that_only_the_drive_alone_reaches(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """After a brake is released a drive moved with the tensions of the window's start comes to its engine's limit; with
+    those that follow it does not. Speeds were wrong by 11 % and by 1 %."""
+    case = random_run(seed)
+    released = case.interventions[1].time
+    case = replace(case, until=released + 3.0)
+    by_sections = case.simulate(1.0)
+    monkeypatch.setattr(SectionIntegrator, "advance", lambda self, motion, stop: None)
+    whole = case.simulate(1.0, tolerance=1e-8)
+    tensions, speeds = (whole.frame.filter(regex=name).columns for name in (r"\.tension_", r"\.rope_speed$"))
+    ends = [result.frame.iloc[-1] for result in (by_sections, whole)]
+    assert ends[0][tensions].to_numpy() == pytest.approx(ends[1][tensions].to_numpy(), rel=3e-7)
+    assert ends[0][speeds].to_numpy() == pytest.approx(ends[1][speeds].to_numpy(), abs=3e-6)
 
 
 @pytest.mark.slow
