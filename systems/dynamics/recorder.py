@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -44,6 +44,7 @@ class Recorder:
     def __init__(self, pending: Pending | None = None, model: Model | None = None) -> None:
         self.entries: list[Entry] = []
         self.events: list[Event] = []
+        self._between: dict[int, Record] = {}
         self.pending = Pending() if pending is None else pending
         self._model = model
         self._last: Record | None = None
@@ -101,6 +102,19 @@ class Recorder:
         """Writes a state down."""
         self.entries.append(Entry((recorded(state, self.pending),), (on_grid,), (exact,)))
 
+    def rewrite(self, change: Callable[[AnyRecord], Record]) -> None:
+        """Changes all states so far, which are solved again when they are read."""
+        self._between = {number: change(record) for number, record in self._between.items()}
+        for i, entry in enumerate(self.entries):
+            records = tuple(change(record) for record in entry.records)
+            self.entries[i] = Entry(records, entry.on_grid, (False,) * len(records))
+        self._packed, self._last = len(self.entries), None
+
+    def keep(self, number: int, record: Record) -> None:
+        """Takes a state between the entries, which is solved when it is read, instead of the one that was taken before
+        for the same number."""
+        self._between[number] = record
+
     def take(self, records: Sequence[AnyRecord], on_grid: Sequence[bool]) -> None:
         """Writes down what the compiled core has: all sections are solved at times of the grid."""
         if not self.packs:
@@ -141,15 +155,25 @@ class Recorder:
     @property
     def on_grid(self) -> np.ndarray:
         """Which entries are at a time of the grid."""
-        return np.array([flag for entry in self.entries for flag in entry.on_grid], dtype=bool)
+        return np.array([flag for entry in self._all for flag in entry.on_grid], dtype=bool)
 
     @property
     def exact(self) -> np.ndarray:
         """In which entries all sections are solved."""
-        return np.array([flag for entry in self.entries for flag in entry.exact], dtype=bool)
+        return np.array([flag for entry in self._all for flag in entry.exact], dtype=bool)
 
     @property
     def records(self) -> Records:
         """The states."""
         self._pack()
-        return Records(entry.records for entry in self.entries)
+        return Records(entry.records for entry in self._all)
+
+    @property
+    def _all(self) -> list[Entry]:
+        """The entries with those between them, in order of time."""
+        if not self._between:
+            return self.entries
+        last = self.entries[-1].records[-1].time
+        kept = {record.time: record for record in self._between.values() if record.time < last}
+        more = [Entry((record,), (False,), (False,)) for record in kept.values()]
+        return sorted([*self.entries, *more], key=lambda entry: entry.records[0].time)

@@ -45,7 +45,8 @@ class Result(RunData, Reported):
     parameters : ndarray
         The model's parameter vector of the run, shape (np,).
     records : sequence of Record
-        All states, on both sides of every event too.
+        All states, on both sides of every event too; with inertia also those between the rows at which tensions are
+        highest or lowest.
     on_grid : ndarray of bool
         Which records belong to `frame`, shape (records,).
     exact : ndarray of bool
@@ -92,10 +93,13 @@ class Result(RunData, Reported):
         times = self.times
         if not times[0] <= time <= times[-1]:
             raise InputError(f"{time} s is outside the run", f"Choose from {times[0]:g} to {times[-1]:g} s")
-        i = int(np.searchsorted(times, time, side="right")) - 1
+        last = int(np.searchsorted(times, time, side="right")) - 1
+        # With inertia a state between two stops of the run is interpolated.
+        solved = np.flatnonzero(self.exact[: last + 1]) if self.model.inertia is not None else np.array([last])
+        i = int(solved[-1]) if len(solved) else last
         state = self.state(i)
         if times[i] != time:
-            a, b = self.records[i], self.records[i + 1]
+            a, b = self.records[i], self.records[last + 1]
             signals = [
                 Schedule((a.time, b.time), (u, v)) if u != v else float(u) for u, v in zip(a.u, b.u, strict=True)
             ]

@@ -10,6 +10,7 @@ import numpy as np
 
 from ropeway.systems.dynamics import load_crossings as loads
 from ropeway.systems.dynamics.chattering import ChatterGuard
+from ropeway.systems.dynamics.cubic import between
 from ropeway.systems.dynamics.line_stepper import LEAST_STEP, LONGEST_STEP, LineMotion, LineStepper
 from ropeway.systems.dynamics.load_events import LoadEvents
 from ropeway.systems.dynamics.recorder import Recorder
@@ -95,12 +96,11 @@ class SectionIntegrator:
         duration = max(now.t - begin.t, 1e-9)
         inside = _CHECKED[NODES[_CHECKED] * window.h < duration - 1e-9]
         passed = (NODES[inside] * window.h)[:, None]
-        part, moved = passed / duration, now.z - begin.z
-        z = begin.z + part * moved
+        part = passed / duration
         if np.array_equal(begin.d, now.d):
-            bends = (1.0 - part) * (duration * first.z - moved) + part * (moved - duration * motion.z)
-            z += part * (1.0 - part) * bends
+            z = between(begin.z, first.z, now.z, motion.z, duration, part)
         else:
+            z = begin.z + part * (now.z - begin.z)
             z = np.where(part < 0.2, begin.z + passed * first.z, z)
             z = np.where(part > 0.8, now.z + (passed - duration) * motion.z, z)
         return drives.alone(window, begin, (now.u - begin.u) / duration, inside, z)

@@ -72,8 +72,8 @@ def simulate(
     until : float
         End of the run [s].
     every : float, default 1.0
-        Interval of the result's frame [s]. Peaks and exceeded limits are those of its rows: with inertia, 0.05 s shows
-        the peaks of a stop to 0.1 to 0.6 %, 1 s can miss 14 %; a coarser run says so in its summary.
+        Interval of the result's frame [s]. With inertia the peaks of tensions between its rows are recorded, too: see
+        `full_frame`, `summary` and `dynamic_factor`.
     inputs : mapping of str to float or Schedule, optional
         A signal for each input without one of its own, or in place of a component's own (`{"c1.speed": 1.02}`).
     start : Equilibrium, optional

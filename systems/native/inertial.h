@@ -56,12 +56,14 @@ typedef struct {
 } ri_point;
 
 /* A run of the point: from `time` to `stop`, with `h` as the step that is tried first; `tolerance` of a step, absolute on
- * scaled states. It ends earlier where one of the `watched` states is beyond `low` or `high`. */
+ * scaled states. It ends earlier where one of the `watched` states is beyond `low` or `high`, and where its `trace` is
+ * full: that has `room` for rows of time, x, z and the rates of x, at the start and after each step; 0: not wanted. */
 typedef struct {
     double time, stop, h, tolerance, shortest;
-    int watches, steps, rejected, hit;
+    int watches, steps, rejected, hit, room;
     const int *watched;
     const double *low, *high;
+    double *trace;
 } ri_run;
 
 RI_API int ri_solve(const ri_line *line, ri_point *q);

@@ -47,8 +47,8 @@ class SystemRun(ctypes.Structure):
 
     _fields_ = (
         *((name, ctypes.c_double) for name in ("time", "stop", "h", "tolerance", "shortest")),
-        *((name, ctypes.c_int) for name in ("watches", "steps", "rejected", "hit")),
-        *((name, ctypes.c_void_p) for name in ("watched", "low", "high")),
+        *((name, ctypes.c_int) for name in ("watches", "steps", "rejected", "hit", "room")),
+        *((name, ctypes.c_void_p) for name in ("watched", "low", "high", "trace")),
     )
 
 

@@ -208,16 +208,29 @@ static double beyond(const ri_run *run, const double *x, int *which)
     return most;
 }
 
+/* Writes down where the run is. */
+static void note(const ri_line *l, ri_run *run, const double *x, const double *z, const double *x_rate)
+{
+    double *row = run->trace;
+    if (!row) return;
+    row += run->steps * (1 + 2 * l->nx + l->nz);
+    *row++ = run->time;
+    memcpy(row, x, l->nx * sizeof(double));
+    memcpy(row + l->nx, z, l->nz * sizeof(double));
+    memcpy(row + l->nx + l->nz, x_rate, l->nx * sizeof(double));
+}
+
 int ri_move(const ri_line *l, ri_point *q, ri_run *run)
 {
-    int n = l->nx + l->nz, failed = RI_OK, rejected = 0, which = -1;
+    int n = l->nx + l->nz, failed = RI_OK, rejected = 0, which = -1, full = 0;
     double *y0 = q->room + 2 * l->nz + l->unknowns, *first = y0 + n, *drift = first + n, error, end = run->stop;
     run->steps = run->rejected = 0, run->hit = -1;
     ri_load(l, q);
-    while (run->hit < 0 && end - run->time > 1e-12 * (1.0 + fabs(end))) {
+    while (run->hit < 0 && !full && end - run->time > 1e-12 * (1.0 + fabs(end))) {
         double left = end - run->time, h = fmin(run->h, LONGEST), over;
         look(l, q, run->time, first, drift);
         memcpy(y0, q->y, n * sizeof(double));
+        note(l, run, y0, y0 + l->nx, first);
         if (!rejected) h = until_bound(run, y0, first, h);
         h = fmax(h, run->shortest);
         h = h > left * 0.9999 ? left : h > left / 2.0 ? left / 2.0 : h;
@@ -238,18 +251,20 @@ int ri_move(const ri_line *l, ri_point *q, ri_run *run)
         }
         if (over >= -NEAR) run->hit = which;
         run->time += h, run->steps++;
+        full = run->trace && run->steps + 1 >= run->room;
         double grown = h * fmin(rejected ? 1.0 : 5.0, fmax(0.2, 0.9 * pow(fmax(error, 1e-6), -0.2)));
         run->h = h < run->h ? fmax(run->h, grown) : grown;
         rejected = 0;
     }
-    if (failed || (end - run->time > 1e-9 && run->hit < 0)) return failed ? failed : RI_SHORT;
+    if (failed || (end - run->time > 1e-9 && run->hit < 0 && !full)) return failed ? failed : RI_SHORT;
     memcpy(q->x, q->y, l->nx * sizeof(double));
     memcpy(q->u, q->y + l->nx + l->nz, l->nu * sizeof(double));
-    if (run->hit < 0) run->time = end;
+    if (run->hit < 0 && end - run->time <= 1e-9) run->time = end;
     put_inputs(l, q, 0.0);
     failed = consistent(l, q);
     if (failed) return failed;
     memcpy(q->z, q->y + l->nx, l->nz * sizeof(double));
     find_rates(l, q);
+    note(l, run, q->x, q->z, q->x_rate);
     return RI_OK;
 }

@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from ropeway.systems.modelling.rope_path import Run
     from ropeway.systems.results.run_data import RunData
 
-_RESOLVED = 0.051
-"""Longest time between records of a run with inertia whose peaks are seen to about 0.5 % [s]."""
-
 
 @dataclass(frozen=True)
 class Summary:
@@ -140,11 +137,6 @@ def _text(result: RunData, supports: pd.DataFrame, spans: pd.DataFrame) -> str:
             f"Largest dynamic factor {at_least(worst['dynamic_factor'], 2)} of a rope ({worst['span']}), "
             f"{at_least(held['dynamic_factor'], 2)} of a support ({held['support']})"
         )
-        if (apart := float(np.diff(result.times).max())) > _RESOLVED:
-            lines.append(
-                f"Tensions are those of the records, up to {apart:.3g} s apart; peaks between them can be higher: "
-                "every=0.05 shows them"
-            )
     if np.isfinite(result.slack_time):
         lines.append(
             f"A rope goes slack at {result.slack_time:.2f} s. Tensions count until then: the snap of a rope that "

@@ -116,17 +116,12 @@ class LineState:
         old = self.model
         grown = assembled(old.system, [[int(n) for n in c] for c in counts], old.inertia)
         self.model = in_code(grown, compiled=old.compiled)
-        d = self.model.d.values.copy()
         if old.inertia is None:
+            d = self.model.d.values.copy()
             d[self.model.kept] = self.point.d[old.kept]
             self.point = replace(self.point, d=d)
-            return
-        # With inertia slots have states: those of the new slots, which are empty, have the declared values.
-        new = Point(self.model.x.values.copy(), self.model.z.values.copy(), self.point.u, self.point.p, d, self.point.t)
-        for kind in (Kind.STATE, Kind.ALGEBRAIC, Kind.DISCRETE):
-            there = self.model.tables[kind].index
-            new.vector(kind)[[there[name] for name in old.tables[kind].names]] = self.point.vector(kind)
-        self.point = new
+        else:
+            self.point = with_more_slots(old, self.point, self.model)
 
     def length(self, r: int) -> float:
         """Unstretched length of a run's rope between its ends at zero travel [m]."""
@@ -285,6 +280,17 @@ def _owners(names: tuple[tuple[str, ...], ...]) -> dict[str, list[tuple[int, int
         for i, name in enumerate(run):
             owners.setdefault(f"{name}.mass", []).append((r, i))
     return owners
+
+
+def with_more_slots(old: Model, point: Point, new: Model) -> Point:
+    """A point of a model with inertia as that of the same model with more load slots. With inertia slots have states:
+    those of the new slots, which are empty, have the declared values."""
+    x, z, d = (new.tables[kind].values.copy() for kind in (Kind.STATE, Kind.ALGEBRAIC, Kind.DISCRETE))
+    found = Point(x, z, point.u, point.p, d, point.t)
+    for kind in (Kind.STATE, Kind.ALGEBRAIC, Kind.DISCRETE):
+        there = new.tables[kind].index
+        found.vector(kind)[[there[name] for name in old.tables[kind].names]] = point.vector(kind)
+    return found
 
 
 def declared_point(model: Model) -> Point:

@@ -210,9 +210,9 @@ class RigOracle:
         laid = np.zeros_like(length)  # rope on shoes, counted with the span beside it
         pulls: dict[str, Any] = dict.fromkeys(self.moving, 0.0)
         rows: dict[str, np.ndarray] = {}
-        for k, (_, a, b) in enumerate(self.spans):
+        for k, (line, a, b) in enumerate(self.spans):
             for name, pull, sign in ((a, force[:, k], 1.0), (b, end[:, k], -1.0)):
-                place, arc, acting = self._attached(u, name, pull, sign)
+                place, arc, acting = self._attached(u, name, pull, sign, hangs=line.role == "dropline")
                 miss[:, k] += sign * place
                 laid[:, k] += arc / (1.0 + self.soft[k] * norm(pull))
                 if name in pulls:
@@ -242,11 +242,12 @@ class RigOracle:
         return next(r for r, line in enumerate(self.lines) if line.role == "skyline")
 
     def _attached(
-        self, u: np.ndarray, name: str, pull: np.ndarray, sign: float
+        self, u: np.ndarray, name: str, pull: np.ndarray, sign: float, *, hangs: bool = False
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Where a span begins (sign 1) or ends (-1) (b, 3), rope on the shoe there [m], force on the node (b, 3)."""
+        """Where a span begins (sign 1) or ends (-1) (b, 3), rope on the shoe there [m], force on the node (b, 3). What
+        `hangs` from the carriage lies on no shoe."""
         none, acting = np.zeros(len(u)), sign * pull
-        if name == self.car and self.under is not None and (sign > 0.0 or self._on_roller(pull)):
+        if name == self.car and self.under is not None and not hangs and (sign > 0.0 or self._on_roller(pull)):
             return self._on_shoe(u, pull, sign)
         if name in self.at:
             return u[:, self.at[name]], none, acting

@@ -7,8 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ropeway.components.errors import SimulationError
+from ropeway.systems.dynamics.cubic import between
 from ropeway.systems.dynamics.inertia.inertial_line import InertialLine
 from ropeway.systems.dynamics.inertia.inertial_stepper import InertialStepper
+from ropeway.systems.dynamics.inertia.peaks import Path
 from ropeway.systems.dynamics.inertia.zone_bounds import Bounds
 from ropeway.systems.dynamics.line_stepper import LineMotion, Signal
 from ropeway.systems.interrupts import stop_if_interrupted
@@ -64,6 +66,8 @@ class CompiledInertialLine(InertialLine):
             watched=bounds.watched.ctypes.data,
             low=bounds.low.ctypes.data,
             high=bounds.high.ctypes.data,
+            room=len(found.trace),
+            trace=found.trace.ctypes.data,
         )
         failed = found.move(run)
         if failed:
@@ -74,11 +78,26 @@ class CompiledInertialLine(InertialLine):
                 time,
             )
         self._step = run.h
+        self.path = _path(found, time, run.steps + 1)
         inputs = self.state.point.u.copy()
-        self.set_time(stop if run.hit < 0 else time + run.time)
+        self.set_time(stop if run.time >= run.stop else time + run.time)
         if np.abs(self.state.point.u - inputs).max(initial=0.0) > 1e-12:  # the rates of inputs jump here
             return self.solve(stop)
         return self.motion_at(found.x_rate.copy(), found.z_rate.copy())
+
+
+def _path(found: CorePoint, begin: float, count: int) -> Path:
+    """How a point has moved last from a time [s], by the first rows of its trace, until it moves again."""
+    nx, rows = len(found.x_rate), found.trace[:count]
+    times, (x, z, rates) = begin + rows[:, 0], np.split(rows[:, 1:], [nx, rows.shape[1] - 1 - nx], axis=1)
+
+    def at(t: float) -> tuple[np.ndarray, np.ndarray]:
+        i = int(np.clip(np.searchsorted(times, t, side="right") - 1, 0, count - 2))
+        h = float(times[i + 1] - times[i])
+        part = (t - times[i]) / h
+        return between(x[i], rates[i], x[i + 1], rates[i + 1], h, part), z[i] + part * (z[i + 1] - z[i])
+
+    return Path(times, z, at)
 
 
 class CompiledInertialStepper(InertialStepper):

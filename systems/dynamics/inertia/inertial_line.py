@@ -10,6 +10,7 @@ import numpy as np
 from ropeway.components.errors import SimulationError
 from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.chattering import ChatterGuard
+from ropeway.systems.dynamics.inertia.peaks import Path
 from ropeway.systems.dynamics.inertia.solved_stretch import SolvedStretch
 from ropeway.systems.dynamics.inertia.zone_bounds import Bounds
 from ropeway.systems.dynamics.line_stepper import LineMotion, LineStepper, Signal
@@ -34,8 +35,10 @@ _VALUES, _COUNTS = 100_000, (50, 200)
 
 
 class InertialLine(LineStepper):
-    """A line with inertia and the signals of its inputs; those that are rates of others follow from these."""
+    """A line with inertia and the signals of its inputs; those that are rates of others follow from these. `path`: how
+    it has moved last."""
 
+    path: Path
     _ahead: SolvedStretch | None
     _solved: Point | None = None
     """The point that was solved last, which has the rates `_motion`."""
@@ -82,6 +85,7 @@ class InertialLine(LineStepper):
         if ahead is None or not ahead.continues(self.state.point):
             ahead = self._ahead = self._integrated(quiet, motion, bounds)
         t = min(stop, ahead.end, ahead.time_of_event(self.time, bounds))
+        self.path = ahead.path(self.time, t)
         x, z = ahead.at(t)
         self.state.point = replace(self.state.point, x=x, z=z, u=self.inputs_at(t), t=t)
         return self.solve(stop)

@@ -20,7 +20,8 @@ from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.rope_path import Loads, Run
 from ropeway.systems.solvers.newton import newton_of, outputs_of
 from ropeway.systems.solvers.points import VECTORS, Point
-from ropeway.systems.statics.line_state import LineState, declared_point
+from ropeway.systems.statics.line_records import AnyRecord, Record
+from ropeway.systems.statics.line_state import LineState, declared_point, with_more_slots
 from ropeway.systems.statics.load_positions import unpin
 
 _DIFFERENCE = 1e-4
@@ -282,3 +283,16 @@ def slot_outputs(model: Model, r: int) -> np.ndarray:
     """Places of the slots' places in the outputs of a model: of the first slot of each span of a run, (3, spans)."""
     index = model.y.index
     return np.array([[index.get(f"{span.name}.slot_{axis}[1]", 0) for span in model.runs[r].spans] for axis in AXES])
+
+
+def regrown(record: AnyRecord, old: Model, new: Model) -> Record:
+    """A record of a model as that of the same model with more load slots; it is not solved for these."""
+    d = old.d.values.copy()
+    d[old.kept] = record.kept
+    point = with_more_slots(old, Point(record.x, record.z, record.u, old.p.values, d, record.time), new)
+    for before, layout, motion in zip(old.layouts, new.layouts, slot_motions(new), strict=True):
+        for k, (had, count) in enumerate(zip(before.slots.count, layout.slots.count, strict=True)):
+            last = motion.pull[:, k] + had - 1 if had else layout.force[k] + np.arange(3)
+            for j in range(int(had), int(count)):
+                point.z[motion.pull[:, k] + j] = point.z[last]
+    return Record(point.t, point.x, point.z, point.u, record.passed, point.d[new.kept], record.pending)

@@ -6,9 +6,12 @@ from collections.abc import Sequence
 
 from ropeway.systems.dynamics.inertia import support_zones as zones
 from ropeway.systems.dynamics.inertia.inertial_line import InertialLine
+from ropeway.systems.dynamics.inertia.inertial_state import regrown
+from ropeway.systems.dynamics.inertia.peaks import Peaks
 from ropeway.systems.dynamics.inertia.zone_bounds import Bounds
 from ropeway.systems.dynamics.line_stepper import LineMotion, Signal
 from ropeway.systems.dynamics.recorder import Recorder
+from ropeway.systems.statics.line_records import recorded
 from ropeway.systems.statics.line_state import LineState
 
 
@@ -26,6 +29,7 @@ class InertialStepper:
     ) -> None:
         self.line = self.line_kind(state, signals, tolerance)
         self.recorder = Recorder() if recorder is None else recorder
+        self._peaks = Peaks(state)
 
     @property
     def state(self) -> LineState:
@@ -35,6 +39,7 @@ class InertialStepper:
     def disturb(self) -> None:
         """Declares that something else than time has changed the line: it is solved again."""
         self.line.solve(self.line.time)
+        self._peaks.written(self.state)
 
     def run_along(self, stops: Sequence[float]) -> int:
         """Advances through some stops with an entry at each; returns how many they are. Inputs do not bend before the
@@ -43,7 +48,7 @@ class InertialStepper:
             begin = self._begin(stops[-1])
             for stop in stops:
                 begin = self._advance_to(stop, stops[-1], *begin)
-                self.recorder.record(self.state, on_grid=True)
+                self._record(on_grid=True)
         return len(stops)
 
     def settle(self, stop: float) -> None:
@@ -70,6 +75,7 @@ class InertialStepper:
                 bounds = Bounds(self.state)
             else:
                 motion = line.move(stop, quiet, motion, bounds)
+                self._keep_peaks()
         self.state.require_rope("End the run before, or turn the drive")
         return motion, bounds
 
@@ -77,12 +83,29 @@ class InertialStepper:
         """Applies events that are due, and solves the line. Raises EquilibriumError, SimulationError."""
         line, names = self.line, self.state.runs[due[0].r].nodes
         line.guard.require(line.time, names[due[0].k].name)
-        self.recorder.record(self.state)
+        self._record()
         if any(event.what == zones.LEAVE for event in due):
             motion = line.solve_rates(stop)
+        model = self.state.model
         crossed = zones.apply(self.state, due, (motion.x, motion.z))
+        if self.state.model is not model:  # a span holds more loads than before
+            self.recorder.rewrite(lambda record: regrown(record, model, self.state.model))
         for crossing, what in crossed:
             self.recorder.note(self.state, crossing, what)
         motion = line.solve(stop)
-        self.recorder.record(self.state)
+        self._record()
         return motion
+
+    def _record(self, *, on_grid: bool = False) -> None:
+        """Writes the state down."""
+        self.recorder.record(self.state, on_grid=on_grid)
+        self._peaks.written(self.state)
+
+    def _keep_peaks(self) -> None:
+        """Keeps the states at which quantities were highest as the line has moved last."""
+        path = self.line.path
+        found = self._peaks.along(self.state.model, path)
+        here = recorded(self.state, self.recorder.pending)
+        for number, t in found.items():
+            x, z = path.at(t)
+            self.recorder.keep(number, here._replace(time=t, x=x, z=z, u=self.line.inputs_at(t)))

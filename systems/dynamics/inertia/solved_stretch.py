@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
+from ropeway.systems.dynamics.inertia.peaks import Path
 from ropeway.systems.dynamics.inertia.zone_bounds import Bounds
 from ropeway.systems.solvers.points import Point
 
@@ -40,6 +41,13 @@ class SolvedStretch:
         """States and algebraic variables at a time in the stretch [s]."""
         own, weights = self._nodes(t)
         return weights @ self.x[own], weights @ self.z[own]
+
+    def path(self, begin: float, end: float) -> Path:
+        """How the line moves between two times in the stretch [s]."""
+        times = self.start.t + self.h * np.arange(self.parts + 1) / self.parts
+        inside = (times > begin + 1e-9) & (times < end - 1e-9)
+        z = np.vstack([self.at(begin)[1], self.z[inside], self.at(end)[1]])
+        return Path(np.concatenate([[begin], times[inside], [end]]), z, self.at)
 
     def continues(self, point: Point) -> bool:
         """Whether a point is in the stretch, before its end, and nothing else than time has changed it."""

@@ -21,6 +21,9 @@ from ropeway.systems.solvers.kernels.inertial_tables import tables_of
 from ropeway.systems.solvers.line_sections import UnfitError
 from ropeway.systems.solvers.points import Point
 
+_TRACED, _STEPS = 200_000, (16, 200)
+"""Numbers that a point keeps of how it has moved, and least and largest number of steps."""
+
 
 class InertialCore:
     """The compiled equations of a model. `tables` stays as it is: each thread has a point of its own."""
@@ -55,7 +58,9 @@ def inertial_core(model: Model) -> InertialCore:
 
 
 class CorePoint:
-    """A point of a model in the core, and its rates `x_rate` (nx,) and `z_rate` (nz,) [per s], which the core finds."""
+    """A point of a model in the core, and its rates `x_rate` (nx,) and `z_rate` (nz,) [per s], which the core finds.
+    `trace` has a row for the start and the end of each step of the last move: time, states, algebraic variables, and
+    rates of the states."""
 
     def __init__(self, core: InertialCore) -> None:
         self.core, model = core, core.model
@@ -64,6 +69,8 @@ class CorePoint:
         room = {name: np.zeros(max(n, 1), np.int32 if name == "pivot" else float) for name, n in core.room.items()}
         rates = {"x_rate": self.x_rate, "z_rate": self.z_rate, "u_rate": self.u_rate}
         self._room = list(room.values())
+        width = 1 + 2 * len(model.x) + len(model.z)
+        self.trace = np.zeros((int(np.clip(_TRACED // width, *_STEPS)), width))
         for name, array in {**rates, **room}.items():
             setattr(self.point, name, array.ctypes.data)
 

@@ -111,7 +111,7 @@ def emergency_stop(
     settle : float, default 10.0
         Time of the run after the line has stopped [s]; the peak can come seconds after the stop.
     every : float, default 0.05
-        Interval of the records in which peaks are found [s].
+        Interval of the records [s]; peaks of tension between them are found too.
     start : Equilibrium, optional
         Where the loads are at the stop, such as `result.at(t)`; by default the line's equilibrium.
     inputs : mapping of str to float, optional
