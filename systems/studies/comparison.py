@@ -16,6 +16,7 @@ from ropeway.components.table_writer import Tabular
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.results.energy_balance import power
 from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.studies.skyline.payload.plot import shown_up_to
 from ropeway.systems.studies.skyline.payload.study import PayloadStudy, payload
 
 if TYPE_CHECKING:
@@ -79,8 +80,7 @@ class Comparison(Tabular):
             ylabel="largest payload [t]" if payloads else "highest tension [kN]",
         )
         if payloads:
-            least = max(float(one.payload) for one in self.variants if isinstance(one, PayloadStudy))
-            axis.set_ylim(0.0, 3.0 * max(least, 100.0) / 1e3)
+            axis.set_ylim(0.0, max(shown_up_to(one) for one in self.variants if isinstance(one, PayloadStudy)))
         axis.grid(alpha=0.3)
         axis.legend(fontsize="small")
         return figure

@@ -220,12 +220,19 @@ def _shown(study: PayloadData) -> Solved | None:
         return None
 
 
+def shown_up_to(study: PayloadData) -> float:
+    """Payload up to which a picture shows those of a study [t]: beside supports they are many times the others."""
+    mass = study.frame["payload"] / 1000.0
+    typical = float(mass[mass > 0.0].quantile(0.9)) if mass.max() > 0.0 else 0.1
+    return max(1.25 * typical, 1.5 * study.payload / 1000.0)
+
+
 def _payloads(axis: Axes, study: PayloadData) -> None:
     """Payload over station, coloured by its limit. An arrow at the top marks a payload above the panel. Stations
     without a payload interrupt the curve and have a cross on the axis."""
     frame = study.frame
     mass = frame["payload"] / 1000.0
-    top = max(1.25 * float(mass[mass > 0.0].quantile(0.9) if mass.max() > 0.0 else 0.1), 1.5 * study.payload / 1000.0)
+    top = shown_up_to(study)
     axis.plot(frame["station"], mass.where((mass > 0.0) & (mass <= top)), color="0.6", lw=0.8, zorder=1)
     for i, (limit, part) in enumerate(frame.groupby("limited_by", sort=False)):
         colour, x, own = _COLOURS[i % len(_COLOURS)], part["station"], part["payload"] / 1000.0
