@@ -112,7 +112,8 @@ class Equilibrium(Tabular):
             for row in self.loads.itertuples()
             for key, text in words.items()
         ]
-        return pd.DataFrame(rows, columns=["name", "value", "unit", "description"]).set_index("name")
+        table = pd.DataFrame(rows, columns=["name", "value", "unit", "description"])
+        return table.astype({"value": float}).set_index("name")
 
     @cached_property
     def loads(self) -> pd.DataFrame:

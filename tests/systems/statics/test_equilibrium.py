@@ -36,6 +36,7 @@ def described(eq: rw.Equilibrium, *names: str) -> None:
     """Requires each quantity, with unit and description, in the frame and by name."""
     frame = eq.frame
     assert list(frame.columns) == ["value", "unit", "description"]
+    assert frame["value"].dtype == float
     assert frame.index.name == "name"
     assert frame.index.is_unique
     for name in names:
