@@ -14,6 +14,7 @@ from ropeway.systems.dynamics.cubic import between
 from ropeway.systems.dynamics.line_stepper import LEAST_STEP, LONGEST_STEP, LineMotion, LineStepper
 from ropeway.systems.dynamics.load_events import LoadEvents
 from ropeway.systems.dynamics.recorder import Recorder
+from ropeway.systems.solvers.block_newton import blocks_of
 from ropeway.systems.solvers.drive_trajectories import NODES, Drives, Window, drives_of
 from ropeway.systems.statics.line_state import LineState
 
@@ -146,9 +147,11 @@ class SectionIntegrator:
             if strict and line.time < crossed - LEAST_STEP:
                 raise UnforeseenError
             # A crossing can activate a limit that is inactive again before the stop.
-            alone = drives.decoupled(line.state.point)
+            alone, before = drives.decoupled(line.state.point, touched), line.state.point.z.copy()
             motion, crossed = self.events.cross(now, motion, stop, exact=False), line.time
-            if not alone or not drives.decoupled(line.state.point):
+            drives = drives_of(line.state.model, line.tolerance)  # a span may hold more loads than before
+            jumped = np.unique(blocks_of(line.state.model).of[line.state.point.z != before])
+            if not alone or not drives.decoupled(line.state.point, jumped.tolist()):
                 return None
             if line.state.standing():
                 return line.solve(stop)

@@ -7,6 +7,7 @@ variables follow section by section. Where all of them follow commands, they are
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,8 +16,9 @@ import numpy as np
 
 from ropeway.components.errors import SimulationError
 from ropeway.components.variable import Kind
-from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.modelling.dae_model import BUILDING, Model, kept_with_model
 from ropeway.systems.modelling.equations import expanded
+from ropeway.systems.solvers.block_newton import blocks_of
 from ropeway.systems.solvers.idas import strict
 from ropeway.systems.solvers.model_functions import Buffered
 from ropeway.systems.solvers.points import VECTORS, Point
@@ -89,7 +91,9 @@ class Drives:
         if self.ties:
             inputs = [time, *(sx[kind] for kind in VECTORS)]
             scaled = by_z * ca.repmat(ca.DM(model.z.nominals).T, nx, 1)
-            self._coupling = Buffered(ca.Function("coupling", inputs, [ca.norm_inf(ca.vertcat(*scaled.nonzeros()))]))
+            self._effects = inputs, np.array(scaled.nonzeros()), blocks_of(model).of[by_z.sparsity().get_col()]
+            self._coupling = self._largest(np.ones(by_z.nnz(), dtype=bool))
+            self._beside: dict[int, Buffered] = {}
         w, slope = model.sym("w", nx), model.sym("slope", nu)
         x0, rate = model.sym("x0", nx), model.sym("rate", nx)
         passed = tau * h
@@ -119,9 +123,25 @@ class Drives:
             }
             self._f = Buffered(ca.integrator("drives", "idas", dae, 0.0, NODES[1:].tolist(), options))
 
-    def decoupled(self, point: Point) -> bool:
-        """Whether the rates of the states do not depend on the algebraic variables here."""
-        return not self.ties or float(self._coupling(*point.arguments)[0][0]) < _COUPLED
+    def _largest(self, which: np.ndarray) -> Buffered:
+        """The largest of some effects of algebraic variables on rates, as a function of a point."""
+        inputs, effects, _ = self._effects
+        return Buffered(ca.Function("coupling", inputs, [ca.norm_inf(ca.vertcat(0, *effects[which]))]))
+
+    def _of_section(self, section: int) -> Buffered:
+        """As `_largest`, of the algebraic variables of a section; made where it is asked for."""
+        if section not in self._beside:
+            with BUILDING:
+                self._beside[section] = self._largest(self._effects[2] == section)
+        return self._beside[section]
+
+    def decoupled(self, point: Point, sections: Sequence[int] | None = None) -> bool:
+        """Whether the rates of the states do not depend on the algebraic variables here, or on those of some
+        sections."""
+        if not self.ties:
+            return True
+        functions = [self._coupling] if sections is None else [self._of_section(section) for section in sections]
+        return all(float(function(*point.arguments)[0][0]) < _COUPLED for function in functions)
 
     def alone(self, window: Window, point: Point, slope: np.ndarray, which: np.ndarray, z: np.ndarray) -> bool:
         """Whether no limit is active at some of the Chebyshev points of a window from a point; `z`: the algebraic

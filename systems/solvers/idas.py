@@ -32,9 +32,8 @@ def strict(tolerance: float, share: float) -> float:
 class Stretch(NamedTuple):
     """How a stretch is integrated: `share` of the tolerance that one step may use, the `first` step, a part of the
     stretch, and by how many times that share Newton's iteration may miss the algebraic variables, which have no part in
-    the error of a step; `follows`: whether the rates of the algebraic variables at the start are known. A quasi-static
-    line changes slowly, so that its stretches are one step; one with inertia oscillates, and its algebraic variables
-    are solved again at the end of a stretch."""
+    the error of a step; `follows`: whether the rates of the algebraic variables at the start are known. The
+    algebraic variables of a line with inertia oscillate, and are solved again at the end of a stretch."""
 
     share: float
     first: float
@@ -42,7 +41,7 @@ class Stretch(NamedTuple):
     follows: bool
 
 
-SLOW, OSCILLATING = Stretch(5e-4, 1.0, 1.0, True), Stretch(1.0, 0.02, 10.0, False)
+SLOW, OSCILLATING = Stretch(1e-3, 0.03, 1.0, True), Stretch(1.0, 0.02, 10.0, False)
 
 
 def _scaled_moves(model: Model, arguments: Sequence[Any], h: Any, order: tuple[np.ndarray, np.ndarray]) -> list[Any]:

@@ -53,8 +53,7 @@ def belly(run: float, drop: float, *, tolerance: float = 1e-4) -> Belly:
             "Harvey's program does not terminate; use kendrick_iteration",
         )
     low, high, count, v_low = _A_LOW, _A_HIGH, 0, np.inf
-    while abs(drop - v_low) >= tolerance:
-        middle = 0.5 * (low + high)
+    while abs(drop - v_low) >= tolerance and low < (middle := 0.5 * (low + high)) < high:
         v_low = _belly_drop(low, run)
         if _belly_drop(middle, run) > drop:
             low = middle

@@ -198,7 +198,7 @@ class PayloadSearch:
                 low, high = (middle, high) if trial(middle, Effort.QUICK).within else (low, middle)
             if trial(high).solved is not None:
                 break
-            further = [mass for mass in (low + 1.0, 1.02 * low) if trial(mass).within]
+            further = [mass for mass in (low + 1.0, low + max(0.02 * low, 2.0)) if trial(mass).within]
             if not further:
                 return low, tried[low]._replace(limit=self._end_of_states(tried[high].limit, height))
             low = further[-1]

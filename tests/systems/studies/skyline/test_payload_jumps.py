@@ -2,12 +2,15 @@
 side."""
 
 from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 import ropeway as rw
-from ropeway.systems.studies.skyline.payload.search import Trial, _guess
+from ropeway.systems.studies.skyline.limits import LoadLimits
+from ropeway.systems.studies.skyline.payload.search import PayloadSearch, Trial, _guess
+from ropeway.systems.studies.skyline.root_selection import Effort
 from ropeway.systems.studies.skyline.station_solver import Stations
 from support.random_rigs import Drawn, drawn
 from support.rig_verdicts import Verdict, judge_curve, path_row
@@ -99,3 +102,22 @@ def test_the_tension_of_a_guyline_is_that_which_its_limit_sees() -> None:
     ends = [solved[f"up_head.tension_{end}"] for end in "ab"]
     assert found.up_tension == pytest.approx(max(ends), rel=1e-9)
     assert ends[0] > ends[1]  # the end at the anchor
+
+
+def test_a_search_ends_where_quick_trials_find_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The empty carriage hangs, and light payloads do after a full search: the bracket closed onto zero, and grew from
+    there without end."""
+
+    def tried(self: PayloadSearch, station: float, mass: float, height: object, effort: Effort = Effort.FULL) -> Trial:
+        hangs = mass == 0.0 or (effort is Effort.FULL and mass < 400.0)
+        return (
+            Trial("clearance", cast(Any, SimpleNamespace(held_by="mainline")), 1.0)
+            if hangs
+            else Trial("no equilibrium")
+        )
+
+    rig = _case(1024, 154).rig
+    monkeypatch.setattr(PayloadSearch, "_try", tried)
+    row = PayloadSearch(rig, LoadLimits(safety_factor=3.0, clearance=None))._largest(100.0, None)
+    assert 0.0 < row[0] < 400.0
+    assert row[1].limit == "no equilibrium"
