@@ -1,4 +1,5 @@
-"""Random runs: no load lost, the same for any interval of records, resumed at any time, there and back.
+"""Random runs: no load lost, the same for any interval of records, resumed at any time, integrated as a whole, there
+and back.
 
     pytest tests/campaigns/test_runs.py -m slow --campaign-seed 7 --campaign-count 200
 
@@ -12,11 +13,13 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
+from unittest import mock
 
 import numpy as np
 import pytest
 
 import ropeway as rw
+from ropeway.systems.dynamics.section_integrator import SectionIntegrator
 from support.runs import RandomRun, random_run
 
 LIMIT = 90.0
@@ -92,6 +95,14 @@ def require_resumed(case: RandomRun, run: rw.Result, rng: np.random.Generator) -
     assert sorted(rest.at(case.until - time).loads["load"]) == sorted(run.at(case.until).loads["load"])
 
 
+def require_whole(case: RandomRun, run: rw.Result) -> None:
+    """Drives that are moved by themselves while no limit is active move as they do with the whole line."""
+    with mock.patch.object(SectionIntegrator, "advance", return_value=None):
+        whole = case.simulate(1.0)
+    both = run.frame.index.intersection(whole.frame.index)
+    assert difference(tensions(run).loc[both], tensions(whole).loc[both]) < 1e-5
+
+
 def require_there_and_back(case: RandomRun) -> None:
     """Ideal drives bring the line back to where it was."""
     way = float(np.random.default_rng(case.seed).uniform(0.4, 1.5))
@@ -129,6 +140,8 @@ def test_random_runs(campaign: Any) -> None:
                 require_loads(run)
                 require_same(case, run)
                 require_resumed(case, run, rng)
+                if case.hydraulic:
+                    require_whole(case, run)
                 if case.returns:
                     require_there_and_back(case)
         except Exception as error:

@@ -32,6 +32,11 @@ class RandomRun:
         ideal = all(isinstance(c.drive, rw.IdealDrive) and c.response is None for c in sheaves)
         return ideal and self.kind != "rough idlers"
 
+    @property
+    def hydraulic(self) -> bool:
+        """Whether its drives have states and limits of their own."""
+        return any(isinstance(getattr(c, "drive", None), rw.HydraulicDrive) for c in self.system.components.values())
+
     def simulate(self, every: float, **more: object) -> rw.Result:
         """The whole run."""
         return rw.simulate(
