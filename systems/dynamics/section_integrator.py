@@ -91,8 +91,7 @@ class SectionIntegrator:
         rates now. Between the two the algebraic variables follow a cubic polynomial; where loads have crossed, their
         rates have jumped, and they are near the tangents at its ends and the chord between."""
         line, begin, now = self.line, start.point, self.line.state.point
-        drives = drives_of(start.model, line.tolerance)
-        if not line.state.standing() and not drives.decoupled(now):
+        if not line.state.standing() and not drives_of(line.state.model, line.tolerance).decoupled(now):
             return False
         duration = max(now.t - begin.t, 1e-9)
         inside = _CHECKED[NODES[_CHECKED] * window.h < duration - 1e-9]
@@ -104,6 +103,7 @@ class SectionIntegrator:
             z = begin.z + part * (now.z - begin.z)
             z = np.where(part < 0.2, begin.z + passed * first.z, z)
             z = np.where(part > 0.8, now.z + (passed - duration) * motion.z, z)
+        drives = drives_of(start.model, line.tolerance)
         return drives.alone(window, begin, (now.u - begin.u) / duration, inside, z)
 
     def _recording(
@@ -150,8 +150,8 @@ class SectionIntegrator:
             alone, before = drives.decoupled(line.state.point, touched), line.state.point.z.copy()
             motion, crossed = self.events.cross(now, motion, stop, exact=False), line.time
             drives = drives_of(line.state.model, line.tolerance)  # a span may hold more loads than before
-            jumped = np.unique(blocks_of(line.state.model).of[line.state.point.z != before])
-            if not alone or not drives.decoupled(line.state.point, jumped.tolist()):
+            jumped = blocks_of(line.state.model).of[line.state.point.z != before] if drives.ties else before[:0]
+            if not alone or not drives.decoupled(line.state.point, np.unique(jumped).tolist()):
                 return None
             if line.state.standing():
                 return line.solve(stop)

@@ -44,7 +44,7 @@ class Peaks:
         times, seen = path.times, _pulls_of(model).quantities(path.z)
         if self._before is not None:
             times, seen = np.append(self._before[0], times), np.vstack([self._before[1], seen])
-        if len(times) < 3:
+        if len(times) < 3 or times[-1] <= times[-2]:
             return {}
         self._before = (float(times[-2]), seen[-2])
         a, b, c = seen[:-2], seen[1:-1], seen[2:]
