@@ -117,7 +117,7 @@ class Drives:
                 # The deviations and their rates begin at zero.
                 "calc_ic": False,
                 "linear_solver": "csparse",
-                "step0": 0.03,
+                "step0": 0.003,
                 "max_num_steps": 100_000,
                 "disable_internal_warnings": True,
             }
