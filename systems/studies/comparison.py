@@ -16,7 +16,6 @@ from ropeway.components.table_writer import Tabular
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.results.energy_balance import power
 from ropeway.systems.rigs.skyline_rig import SkylineRig
-from ropeway.systems.studies.skyline.payload.plot import shown_up_to
 from ropeway.systems.studies.skyline.payload.study import PayloadStudy, payload
 
 if TYPE_CHECKING:
@@ -65,6 +64,8 @@ class Comparison(Tabular):
         matplotlib.figure.Figure
             With the first eight variants.
         """
+        from ropeway.systems.studies.skyline.payload.plot import shown_up_to
+
         figure = new_figure(figsize=(10.0, 4.6), layout="constrained")
         axis = figure.subplots()
         for name, one, colour in zip(self.frame.index, self.variants, _COLOURS, strict=False):

@@ -104,7 +104,8 @@ class InertialStepper:
     def _keep_peaks(self) -> None:
         """Keeps the states at which quantities were highest as the line has moved last."""
         path = self.line.path
-        found = self._peaks.along(self.state.model, path)
+        if not (found := self._peaks.along(self.state.model, path)):
+            return
         here = recorded(self.state, self.recorder.pending)
         for number, t in found.items():
             x, z = path.at(t)

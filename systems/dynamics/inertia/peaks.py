@@ -55,11 +55,10 @@ class Peaks:
         slope, bend = (down * right + up * left) / (left + right), (down - up) / (left + right)
         peaks, at = b[i, which] + slope**2 / (4.0 * bend), times[i + 1] + slope / (2.0 * bend)
         beyond = peaks > self._highest[which] + _MORE * np.abs(self._highest[which])
-        found = dict[int, float]()
-        for k in np.argsort(np.where(beyond, peaks, -np.inf))[np.count_nonzero(~beyond) :]:
-            found[int(which[k])] = float(np.clip(at[k], path.times[0] + _INSIDE, path.times[-1] - _INSIDE))
-        np.maximum.at(self._highest, which[beyond], peaks[beyond])
-        return found
+        peaks, at, which = peaks[beyond], at[beyond], which[beyond]
+        at = np.clip(at, path.times[0] + _INSIDE, path.times[-1] - _INSIDE)
+        np.maximum.at(self._highest, which, peaks)
+        return {int(which[k]): float(at[k]) for k in np.argsort(peaks)}  # of each the highest, which comes last
 
 
 class _Pulls:

@@ -106,7 +106,7 @@ class PlanData(Tabular):
             raise UnknownNameError(f"The plan has no objective {name!r}", f"It has {', '.join(self.objectives)}")
         since = 0.0 if name == "energy" else self.settle
         unit = "kJ" if name == "energy" else "kN"
-        return f"{name} {self.objectives[name] / 1e3:.5g} {unit} from {since:g} to {self.until:g} s"
+        return f"{name} {self.objectives[name] / 1e3:.6g} {unit} from {since:g} to {self.until:g} s"
 
     @property
     def until(self) -> float:

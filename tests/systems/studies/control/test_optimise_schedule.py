@@ -216,7 +216,7 @@ def test_a_plan_has_a_one_line_representation(plans: dict[str, rw.SchedulePlan])
     for name, plan in plans.items():
         since = "0 to 40 s" if name == "energy" else "10 to 40 s"
         unit = "kJ" if name == "energy" else "kN"
-        assert repr(plan).endswith(f"over 40 s: {name} {plan.objective / 1e3:.5g} {unit} from {since}>")
+        assert repr(plan).endswith(f"over 40 s: {name} {plan.objective / 1e3:.6g} {unit} from {since}>")
         assert len(repr(plan)) < 120
 
 
@@ -252,7 +252,7 @@ def test_the_figure_of_a_plan(plans: dict[str, rw.SchedulePlan]) -> None:
     for axis in (speeds, forces):
         assert {"c1", "c2", "c3"} <= {text.get_text() for text in axis.get_legend().get_texts()}
     assert "limit 2.50 kN" in {line.get_label() for line in forces.lines}
-    assert f"peak tension {plan.objective / 1e3:.5g} kN from 10 to 40 s" in figure.get_suptitle()
+    assert f"peak tension {plan.objective / 1e3:.6g} kN from 10 to 40 s" in figure.get_suptitle()
     red = [line for axis in figure.axes for line in axis.lines if line.get_color() == "tab:red" and axis is tensions]
     assert red
     for line in red:
